@@ -1,0 +1,106 @@
+// A sparse voxel array over a domain: 8x8x8 bricks, each either one value or 512 of them. The working form between the
+// stages; OpenVDB grids are the form at the borders. A brick is an OpenVDB leaf and has its voxel order (x slowest, z fastest).
+#pragma once
+
+#include "volcaustic/types.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace volcaustic {
+
+inline constexpr int kBrickLog2 = 3;
+inline constexpr int kBrickSize = 1 << kBrickLog2;
+inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;
+
+/// Offset of a voxel in its brick, from the low three bits of each coordinate.
+constexpr int brickOffset(int x, int y, int z) { return ((x & 7) << 6) | ((y & 7) << 3) | (z & 7); }
+
+template <class T>
+class BrickGrid {
+public:
+  BrickGrid() = default;
+  BrickGrid(const Vec3i& dims, const T& background)
+      : mDims(dims), mBricks{(dims[0] + 7) / 8, (dims[1] + 7) / 8, (dims[2] + 7) / 8},
+        mSlots(std::size_t(mBricks[0]) * mBricks[1] * mBricks[2], kConstant), mValues(mSlots.size(), background),
+        mBackground(background) {}
+
+  [[nodiscard]] const Vec3i& dims() const { return mDims; }
+  [[nodiscard]] const Vec3i& brickDims() const { return mBricks; }
+  [[nodiscard]] std::int64_t brickCount() const { return static_cast<std::int64_t>(mSlots.size()); }
+  [[nodiscard]] std::int64_t activeBrickCount() const { return static_cast<std::int64_t>(mVoxels.size() / kBrickVoxels); }
+  [[nodiscard]] const T& background() const { return mBackground; }
+
+  [[nodiscard]] std::int64_t brickIndex(const Vec3i& brick) const {
+    return (std::int64_t{brick[0]} * mBricks[1] + brick[1]) * mBricks[2] + brick[2];
+  }
+  [[nodiscard]] Vec3i brickCoord(std::int64_t index) const {
+    const int z = static_cast<int>(index % mBricks[2]);
+    const std::int64_t rest = index / mBricks[2];
+    return {static_cast<int>(rest / mBricks[1]), static_cast<int>(rest % mBricks[1]), z};
+  }
+
+  [[nodiscard]] bool isConstant(std::int64_t brick) const { return mSlots[brick] == kConstant; }
+  [[nodiscard]] const T& constant(std::int64_t brick) const { return mValues[brick]; }
+  /// 512 values of a brick that is not constant.
+  [[nodiscard]] std::span<const T> voxels(std::int64_t brick) const {
+    assert(!isConstant(brick));
+    return {mVoxels.data() + std::size_t(mSlots[brick]) * kBrickVoxels, kBrickVoxels};
+  }
+  [[nodiscard]] std::span<T> voxels(std::int64_t brick) {
+    assert(!isConstant(brick));
+    return {mVoxels.data() + std::size_t(mSlots[brick]) * kBrickVoxels, kBrickVoxels};
+  }
+  void setConstant(std::int64_t brick, const T& value) {
+    assert(isConstant(brick));
+    mValues[brick] = value;
+  }
+  /// Gives the brick 512 voxels of its own, filled with its constant. Not safe beside other allocations: use activate for
+  /// many bricks at once.
+  std::span<T> allocate(std::int64_t brick) {
+    if (isConstant(brick)) {
+      mSlots[brick] = static_cast<std::int32_t>(mVoxels.size() / kBrickVoxels);
+      mVoxels.resize(mVoxels.size() + kBrickVoxels, mValues[brick]);
+    }
+    return voxels(brick);
+  }
+  /// allocate() for a list of bricks, in the order given, with one allocation.
+  void activate(std::span<const std::int64_t> bricks) {
+    // At least half as much again, so that many calls in a row do not copy everything each time.
+    if (const std::size_t needed = mVoxels.size() + bricks.size() * kBrickVoxels; needed > mVoxels.capacity())
+      mVoxels.reserve(std::max(needed, mVoxels.empty() ? 0 : mVoxels.capacity() + mVoxels.capacity() / 2));
+    for (const std::int64_t b : bricks) allocate(b);
+  }
+
+  /// Value at a voxel of the domain.
+  [[nodiscard]] const T& at(int x, int y, int z) const {
+    const std::int64_t brick = brickIndex({x >> 3, y >> 3, z >> 3});
+    return isConstant(brick) ? mValues[brick] : mVoxels[std::size_t(mSlots[brick]) * kBrickVoxels + brickOffset(x, y, z)];
+  }
+  /// The same with coordinates clamped into the domain.
+  [[nodiscard]] const T& clamped(int x, int y, int z) const {
+    return at(std::clamp(x, 0, mDims[0] - 1), std::clamp(y, 0, mDims[1] - 1), std::clamp(z, 0, mDims[2] - 1));
+  }
+
+  /// The arrays themselves, for the kernels: slot or -1 of each brick, value of each constant brick, 512 voxels of each slot.
+  [[nodiscard]] std::span<const std::int32_t> slots() const { return mSlots; }
+  [[nodiscard]] std::span<const T> constants() const { return mValues; }
+  [[nodiscard]] std::span<const T> storage() const { return mVoxels; }
+
+  [[nodiscard]] std::size_t memoryBytes() const {
+    return mVoxels.size() * sizeof(T) + mSlots.size() * (sizeof(std::int32_t) + sizeof(T));
+  }
+
+private:
+  static constexpr std::int32_t kConstant = -1;
+  Vec3i mDims{0, 0, 0}, mBricks{0, 0, 0};
+  std::vector<std::int32_t> mSlots;
+  std::vector<T> mValues; // of constant bricks
+  std::vector<T> mVoxels;
+  T mBackground{};
+};
+
+} // namespace volcaustic

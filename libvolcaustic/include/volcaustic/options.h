@@ -1,0 +1,178 @@
+/// \file options.h
+/// The one description of every option: name, unit, range, meaning. JSON, the JSON Schema, command-line flags, help
+/// text, stage keys and the tables in docs/ are all readers (visitors) of the describe functions below.
+///
+/// A visitor is called as visit(name, value, doc) for each field, in documented order; `value` is a reference to a
+/// bool, int, double, std::string, std::filesystem::path, an array of numbers, an enumeration with enumNames, or an
+/// AutomaticBox. Nothing here allocates.
+#pragma once
+
+#include "volcaustic/medium.h"
+#include "volcaustic/photons.h"
+#include "volcaustic/scene.h"
+#include "volcaustic/vdb.h"
+#include "volcaustic/view.h"
+
+#include <array>
+#include <filesystem>
+#include <limits>
+#include <span>
+
+namespace volcaustic {
+
+/// What a field means. Ranges are inclusive and hold for every component of an array.
+struct FieldDoc {
+  const char* text;
+  const char* unit = "";
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  std::span<const int> choices = {}; ///< when not empty, the only values allowed
+  bool required = false;             ///< has no sensible default: a file must give it
+};
+
+/// A box that may be left to be found: "auto" or {"min": [x, y, z], "max": [x, y, z]} in JSON.
+struct AutomaticBox {
+  bool& automatic;
+  Box& box;
+};
+
+constexpr std::array<const char*, 3> enumNames(FillRule) { return {"auto", "exact", "winding"}; }
+constexpr std::array<const char*, 2> enumNames(Scheme) { return {"driftKickDrift", "euler"}; }
+constexpr std::array<const char*, 2> enumNames(LightType) { return {"directional", "point"}; }
+
+inline constexpr std::array<int, 4> kSupersampleChoices{1, 2, 4, 8};
+inline constexpr std::array<int, 6> kBlurChoices{1, 3, 5, 7, 9, 11};
+inline constexpr double kHuge = 1e9;
+
+// One range for each quantity, so that every place that takes it agrees.
+inline constexpr FieldDoc kIndexDoc{"refractive index", "1", 0.1, 10};
+inline constexpr FieldDoc kAttenuationDoc{"extinction coefficient: absorption + out-scattering, RGB", "1/world", 0,
+                                          kHuge};
+inline constexpr FieldDoc kScatteringDoc{"scattering coefficient, RGB; at most the attenuation", "1/world", 0, kHuge};
+inline constexpr FieldDoc kAsymmetryDoc{"Henyey-Greenstein mean cosine g", "1", -0.99, 0.99};
+
+template <class Visitor>
+void describe(Visitor&& visit, Material& m) {
+  visit("index", m.index, kIndexDoc);
+  visit("attenuation", m.attenuation, kAttenuationDoc);
+  visit("scattering", m.scattering, kScatteringDoc);
+  visit("asymmetry", m.asymmetry, kAsymmetryDoc);
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, Ambient& a) {
+  visit("index", a.index, kIndexDoc);
+  visit("attenuation", a.attenuation, kAttenuationDoc);
+  visit("scattering", a.scattering, kScatteringDoc);
+  visit("asymmetry", a.asymmetry, kAsymmetryDoc);
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, VoxeliseOptions& o) {
+  visit("supersample", o.supersample,
+        FieldDoc{"sub-voxels along a voxel's edge for the solid fraction", "", 1, 8, kSupersampleChoices});
+  visit("blur", o.blur, FieldDoc{"width of the Gaussian on the index; 1 is none", "voxels", 1, 11, kBlurChoices});
+  visit("fill", o.fill, FieldDoc{"how inside is told from outside: exact needs closed meshes, winding takes any"});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, StepFieldOptions& o) {
+  visit("indexTolerance", o.indexTolerance, FieldDoc{"range of index in a cube crossed in one step", "1", 0, 1});
+  visit("indexTolerance2", o.indexTolerance2, FieldDoc{"range of index in a cube crossed in capped steps", "1", 0, 1});
+  visit("cap", o.cap, FieldDoc{"longest step in a capped cube", "voxels", 0.1, 4096});
+  visit("attenuationTolerance", o.attenuationTolerance,
+        FieldDoc{"range of attenuation times voxel edge in a cube crossed in one step", "1", 0, kHuge});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, Light& l) {
+  visit("name", l.name, FieldDoc{"for messages"});
+  visit("type", l.type, FieldDoc{"directional light or point light"});
+  visit("direction", l.direction,
+        FieldDoc{"propagation direction of a directional light, any length", "1", -kHuge, kHuge});
+  visit("irradiance", l.irradiance, FieldDoc{"of a directional light, on a plane facing it, RGB", "W/m2", 0, 1e30});
+  visit("position", l.position, FieldDoc{"of a point light", "world", -1e12, 1e12});
+  visit("intensity", l.intensity, FieldDoc{"of a point light, RGB", "W/sr", 0, 1e30});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, PhotonOptions& o) {
+  visit("grid", o.grid, FieldDoc{"photon raster of each light, columns and rows", "photons", 1, 65536});
+  visit("scheme", o.scheme, FieldDoc{"how a photon is carried: second order, or the paper's equations (6) and (7)"});
+  visit("minStep", o.minStep, FieldDoc{"shortest step", "voxels", 0.01, 64});
+  visit("maxStep", o.maxStep, FieldDoc{"longest step", "voxels", 0.01, 4096});
+  visit("maxSteps", o.maxSteps, FieldDoc{"steps after which a photon is cut off and counted", "", 1, kHuge});
+  visit("cutoff", o.cutoff, FieldDoc{"fraction of its first power below which a photon is cut off", "1", 0, 1});
+  visit("roulette", o.roulette, FieldDoc{"Russian roulette below the cutoff instead of dropping"});
+  visit("jitter", o.jitter, FieldDoc{"move each photon inside its raster cell, by a hash of seed and cell"});
+  visit("smooth", o.smooth, FieldDoc{"3x3x3 Gaussian on the finished volume; keeps its total"});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, Camera& c) {
+  visit("position", c.position, FieldDoc{"of the eye", "world", -1e12, 1e12});
+  visit("target", c.target, FieldDoc{"point looked at", "world", -1e12, 1e12});
+  visit("up", c.up, FieldDoc{"direction that is up in the picture", "1", -kHuge, kHuge});
+  visit("fieldOfView", c.fieldOfView, FieldDoc{"vertical", "degrees", 0.01, 170});
+  visit("resolution", c.resolution, FieldDoc{"width and height of the picture", "pixels", 1, 32768});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, Background& b) {
+  visit("bottom", b.bottom, FieldDoc{"radiance seen looking down, RGB", "W/(m2 sr)", 0, 1e30});
+  visit("top", b.top, FieldDoc{"radiance seen looking up, RGB", "W/(m2 sr)", 0, 1e30});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, ViewOptions& o) {
+  visit("step", o.step, FieldDoc{"step where the medium bends or scatters", "voxels", 0.05, 64});
+  visit("samples", o.samples, FieldDoc{"rays along each side of a pixel", "", 1, 16});
+  visit("maxSteps", o.maxSteps, FieldDoc{"steps after which a ray is cut off and counted", "", 1, kHuge});
+  visit("exposure", o.exposure, FieldDoc{"brightness of tone-mapped files", "stops", -40, 40});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, Placement& p) {
+  visit("translate", p.translate, FieldDoc{"applied last", "world", -1e12, 1e12});
+  visit("rotate", p.rotate, FieldDoc{"about x, then y, then z", "degrees", -kHuge, kHuge});
+  visit("scale", p.scale, FieldDoc{"applied first; negative mirrors", "1", -1e12, 1e12});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, SceneVolume& v) {
+  AutomaticBox bounds{v.automatic, v.bounds};
+  visit("bounds", bounds,
+        FieldDoc{"box that light is computed in, or \"auto\": around the objects", "world", -1e12, 1e12});
+  visit("margin", v.margin,
+        FieldDoc{"added on every side of an automatic box, as a part of the objects' longest side", "1", 0, 100});
+  visit("resolution", v.resolution, FieldDoc{"voxels along the longest side of the box", "voxels", 1, 32768});
+  visit("voxelSize", v.voxelSize, FieldDoc{"edge of a voxel; above 0 it replaces the resolution", "world", 0, 1e12});
+  visit("file", v.file, FieldDoc{"a .vdb with an `index` grid that takes the place of objects and box"});
+  describe(visit, v.ambient);
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, SceneObject& o) {
+  visit("name", o.name, FieldDoc{"for messages"});
+  visit("mesh", o.meshFile, FieldDoc{.text = "OBJ, PLY, STL or OFF file, relative to this file", .required = true});
+  describe(visit, o.placement);
+  visit("material", o.material, FieldDoc{"a name in `materials`"});
+  visit("priority", o.priority, FieldDoc{"where objects overlap the higher one wins", "", -1e6, 1e6});
+  visit("visible", o.visible, FieldDoc{"false leaves the object out"});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, SurfaceOptions& o) {
+  visit("grid", o.grid, FieldDoc{"scalar grid to take the surface of; coverage, else the first one, when empty"});
+  visit("isovalue", o.isovalue, FieldDoc{"value on the surface", "", -1e30, 1e30});
+  visit("adaptivity", o.adaptivity, FieldDoc{"0 keeps every polygon, 1 merges flat regions the most", "1", 0, 1});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, VdbWriteOptions& o) {
+  visit("half", o.half, FieldDoc{"16-bit floats in .vdb files"});
+  visit("parts", o.parts, FieldDoc{"also write the grids caustic and direct"});
+  visit("exposure", o.exposure, FieldDoc{"multiply the grids of light by 2 to this power; recorded", "stops", -40, 40});
+}
+
+} // namespace volcaustic

@@ -1,0 +1,125 @@
+/// \file photons.h
+/// Light sources, the photon pass, and the volume of light that it makes.
+#pragma once
+
+#include "volcaustic/export.h"
+#include "volcaustic/medium.h"
+#include "volcaustic/run_context.h"
+#include "volcaustic/types.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace volcaustic {
+
+enum class LightType {
+  Directional, ///< parallel light of a given irradiance
+  Point        ///< equal intensity in all directions
+};
+
+struct Light {
+  std::string name;
+  LightType type = LightType::Directional;
+  Vec3d direction{0, 0, -1};   ///< propagation, world space, any length; directional lights
+  Rgb irradiance{1, 1, 1};     ///< W/m2 on a plane that faces the light; directional lights
+  Vec3d position{0, 0, 2};     ///< world space; point lights
+  Rgb intensity{1, 1, 1};      ///< W/sr; point lights
+};
+
+/// How a photon is carried along d/ds(n dx/ds) = grad n.
+enum class Scheme {
+  DriftKickDrift, ///< second order, symplectic, one lookup a step: half a drift, the kick n grad n, half a drift
+  Euler           ///< VD equations (6) and (7)
+};
+
+struct PhotonOptions {
+  std::array<int, 2> grid{1024, 1024}; ///< raster through which each light sees the domain's box
+  Scheme scheme = Scheme::DriftKickDrift;
+  double minStep = 1;        ///< shortest step, in voxels
+  double maxStep = 64;       ///< longest step, in voxels
+  int maxSteps = 20000;      ///< a photon that needs more is cut off and counted
+  double cutoff = 1e-4;      ///< a photon is cut off below this fraction of its first power
+  bool roulette = false;     ///< below the cutoff play Russian roulette, which keeps the estimate unbiased
+  bool jitter = false;       ///< move each photon inside its raster cell, by a hash of seed and cell
+  bool smooth = true;        ///< 3x3x3 Gaussian on the finished volume; keeps its total
+};
+
+/// Where the power went, in watts for each channel, and what it took. Everything is summed exactly, so that the figures
+/// do not depend on the number of threads.
+struct EnergyBalance {
+  Rgb emitted{0, 0, 0};   ///< by all lights into the domain's box
+  Rgb absorbed{0, 0, 0};  ///< turned to heat
+  Rgb scattered{0, 0, 0}; ///< scattered out of the photons' paths (what the view pass shows)
+  Rgb escaped{0, 0, 0};   ///< left the box
+  Rgb received{0, 0, 0};  ///< landed on receivers
+  Rgb cutOff{0, 0, 0};    ///< dropped at the power threshold or the step limit (net of roulette)
+  /// Absorbed + scattered power once more, from the volume itself: the sum of attenuation * fluence * voxel volume over
+  /// the photons' deposits. It agrees with absorbed + scattered of the traced photons when the deposits are right.
+  Rgb tracedLoss{0, 0, 0};
+  Rgb depositedLoss{0, 0, 0};
+
+  std::int64_t photonsEmitted = 0;  ///< raster cells that see the box
+  std::int64_t photonsTraced = 0;   ///< of these, met the refracting region
+  std::int64_t photonsAtStepLimit = 0;
+  std::int64_t photonsNotFinite = 0;
+  std::int64_t steps = 0;
+  std::int64_t voxelsCrossed = 0;
+
+  /// |emitted - all others| / emitted, the worst channel.
+  [[nodiscard]] double relativeImbalance() const;
+};
+
+struct RadianceBricks; // internal storage
+
+/// Light in a domain: fluence of the direct and the caustic part, and mean direction. Immutable, cheap to copy.
+class VOLCAUSTIC_API RadianceVolume {
+public:
+  RadianceVolume() = default;
+  RadianceVolume(Domain domain, std::shared_ptr<const RadianceBricks> bricks)
+      : mDomain(domain), mBricks(std::move(bricks)) {}
+  [[nodiscard]] const Domain& domain() const { return mDomain; }
+  [[nodiscard]] const RadianceBricks& bricks() const { return *mBricks; }
+  [[nodiscard]] explicit operator bool() const { return mBricks != nullptr; }
+
+  /// Fluence in W/m2 of voxel (i, j, k): all light, or one part of it. Zero outside the domain.
+  [[nodiscard]] Vec3f fluence(const Vec3i& voxel) const;
+  [[nodiscard]] Vec3f causticFluence(const Vec3i& voxel) const;
+  [[nodiscard]] Vec3f directFluence(const Vec3i& voxel) const;
+  /// Luminance-weighted mean propagation direction, length at most 1.
+  [[nodiscard]] Vec3f direction(const Vec3i& voxel) const;
+
+private:
+  Domain mDomain;
+  std::shared_ptr<const RadianceBricks> mBricks;
+};
+
+struct PhotonResult {
+  RadianceVolume radiance;
+  EnergyBalance balance;
+};
+
+/// Sends photons from every light through the medium and collects their fluence (docs/algorithms/photons.md).
+/// Light that never meets a bend is evaluated, not traced; it is the direct part.
+/// \throws Error(Usage) for options and lights out of range, Error(Cancelled).
+VOLCAUSTIC_API PhotonResult tracePhotons(const Medium& medium, std::span<const Light> lights,
+                                         const StepFieldOptions& stepField = {}, const PhotonOptions& options = {},
+                                         const RunContext& ctx = {});
+
+/// A ray in world space and where it went: what the closed-form tests and curious people look at.
+struct TracedRay {
+  Vec3d position;          ///< in: start; out: where it left the domain's box
+  Vec3d direction;         ///< unit
+  double opticalMomentum = 0; ///< out: |v|, equal to n along an exact path
+  double length = 0;       ///< in: geometric length after which to stop, 0 for none; out: the length of the path
+  int steps = 0;           ///< out
+  bool left = false;       ///< out: true when it left the box, false at the length or the step limit
+};
+/// Carries rays through the medium with the very kernels of the photon pass; nothing is deposited. Rays start inside the
+/// domain's box (or on its faces) with |v| = n there.
+VOLCAUSTIC_API void traceRays(const Medium& medium, std::span<TracedRay> rays, const StepFieldOptions& stepField = {},
+                              const PhotonOptions& options = {}, const RunContext& ctx = {});
+
+} // namespace volcaustic

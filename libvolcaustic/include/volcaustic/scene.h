@@ -1,0 +1,82 @@
+/// \file scene.h
+/// Everything that a picture or a caustic volume depends on, as plain data; and the scene file that holds it.
+#pragma once
+
+#include "volcaustic/export.h"
+#include "volcaustic/medium.h"
+#include "volcaustic/photons.h"
+#include "volcaustic/types.h"
+#include "volcaustic/view.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace volcaustic {
+
+/// The box that light is computed in, and what fills it where no body is.
+struct SceneVolume {
+  bool automatic = true;       ///< box around the objects, enlarged by `margin`
+  double margin = 0.5;         ///< of the longest side of the objects' box, added on every side; automatic boxes only
+  Box bounds;                  ///< world; used when not automatic
+  int resolution = 128;        ///< voxels along the box's longest side
+  double voxelSize = 0;        ///< world; above 0 it replaces `resolution`
+  Ambient ambient;
+  std::filesystem::path file;  ///< a .vdb with an `index` grid that replaces objects and box
+};
+
+/// Scale, then rotate about x, y and z in that order (degrees), then translate.
+struct Placement {
+  Vec3d translate{0, 0, 0};
+  Vec3d rotate{0, 0, 0};
+  Vec3d scale{1, 1, 1};
+};
+VOLCAUSTIC_API Affine affine(const Placement& placement);
+
+struct SceneObject {
+  std::string name;
+  std::filesystem::path meshFile;   ///< mesh to read; or
+  std::shared_ptr<const Mesh> mesh; ///< a mesh in memory, which wins over meshFile
+  Placement placement;
+  std::string material = "glass";   ///< a name in Scene::materials
+  int priority = 0;
+  bool visible = true;
+};
+
+struct Scene {
+  SceneVolume volume;
+  std::vector<Material> materials{Material{}};
+  std::vector<SceneObject> objects;
+  std::vector<Light> lights;
+  VoxeliseOptions voxelise;
+  StepFieldOptions stepField;
+  PhotonOptions photons;
+  Camera camera;
+  Background background;
+  ViewOptions view;
+};
+
+struct SceneReadOptions {
+  /// "photons.grid=[512,512]": a dotted path and a JSON value, applied in order before anything is checked.
+  std::vector<std::string> sets;
+  /// The frame at which the file's animation tracks are evaluated.
+  double frame = 1;
+};
+
+/// Reads and checks a scene file: JSON with comments, docs/formats.md. Relative paths are taken from the file's folder.
+/// \throws Error(File), or Error(Input) "scene.json:/lights/0/irradiance: ..." with the nearest known key.
+VOLCAUSTIC_API Scene readScene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+/// The same from text; `name` stands for the file in messages and its folder resolves relative paths.
+VOLCAUSTIC_API Scene parseScene(const std::string& text, const std::filesystem::path& name,
+                                const SceneReadOptions& options = {});
+/// Canonical JSON of a scene: every field, keys in documented order.
+VOLCAUSTIC_API std::string sceneToJson(const Scene& scene);
+/// JSON Schema (2020-12) of the scene file.
+VOLCAUSTIC_API std::string sceneSchema();
+/// A commented scene file to start from: a glass mesh in fog.
+VOLCAUSTIC_API std::string sceneTemplate();
+/// 64-bit hash of the canonical JSON, as 16 hexadecimal digits.
+VOLCAUSTIC_API std::string sceneHash(const Scene& scene);
+
+} // namespace volcaustic

@@ -1,0 +1,52 @@
+/// \file view.h
+/// The camera pass: curved rays through the medium, gathering the light that the photons left.
+#pragma once
+
+#include "volcaustic/export.h"
+#include "volcaustic/image.h"
+#include "volcaustic/medium.h"
+#include "volcaustic/photons.h"
+#include "volcaustic/types.h"
+
+#include <array>
+#include <cstdint>
+
+namespace volcaustic {
+
+struct Camera {
+  Vec3d position{0, -4, 1};   ///< world space
+  Vec3d target{0, 0, 0};      ///< looked at, world space
+  Vec3d up{0, 0, 1};
+  double fieldOfView = 40;    ///< vertical, degrees
+  std::array<int, 2> resolution{1024, 768}; ///< pixels
+};
+
+/// What a ray meets when it leaves the domain: a vertical gradient, W/(m2 sr).
+struct Background {
+  Rgb bottom{0.02, 0.02, 0.03}; ///< looking straight down
+  Rgb top{0.10, 0.12, 0.16};    ///< looking straight up
+};
+
+struct ViewOptions {
+  double step = 1;            ///< step where the medium bends or scatters, in voxels
+  int samples = 1;            ///< rays for each pixel along one axis: samples^2 in all
+  int maxSteps = 20000;
+  double exposure = 0;        ///< stops, for tone-mapped files
+};
+
+struct ViewResult {
+  Image image;                ///< R G B A, caustic.*, direct.*, background.*, transmittance.*, depth.Z, steps.Y
+  std::int64_t steps = 0;
+  std::int64_t raysNotFinite = 0;
+  std::int64_t raysAtStepLimit = 0;
+};
+
+/// Renders what the camera sees: single scattering of the radiance volume (Henyey-Greenstein with asymmetry g|d| about the
+/// mean direction d) along rays bent by the medium, over the background. Along a ray L/n^2 is what stays constant, so light
+/// scattered at index n reaches a camera at index n_c multiplied by (n_c/n)^2.
+/// \throws Error(Usage) for a camera or options out of range, Error(Cancelled).
+VOLCAUSTIC_API ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
+                                     const Background& background = {}, const StepFieldOptions& stepField = {},
+                                     const ViewOptions& options = {}, const RunContext& ctx = {});
+
+} // namespace volcaustic

@@ -1,0 +1,93 @@
+#include "scene/scene_check.h"
+
+#include "scene/json_document.h"
+#include "scene/nearest.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace volcaustic {
+
+namespace {
+
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3d difference(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+/// For a Material or the Ambient.
+template <class Optics>
+void checkOptics(const Optics& optics, const std::string& pointer, const SceneSource& source) {
+  for (int channel = 0; channel < 3; ++channel)
+    if (optics.scattering[channel] > optics.attenuation[channel])
+      source.fail(pointer + "/scattering/" + std::to_string(channel),
+                  excerpt(optics.scattering[channel]) + " is more than the attenuation, " +
+                      excerpt(optics.attenuation[channel]) + ", which includes it; lower it or raise the attenuation");
+}
+
+void checkVolume(const Scene& scene, const SceneSource& source) {
+  const SceneVolume& volume = scene.volume;
+  checkOptics(volume.ambient, "/volume", source);
+  if (!volume.file.empty()) {
+    if (!scene.objects.empty()) source.fail("/volume/file", "takes the place of the objects; remove it or /objects");
+    return;
+  }
+  if (!volume.automatic) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(volume.bounds.max[axis] > volume.bounds.min[axis]))
+        source.fail("/volume/bounds/max/" + std::to_string(axis), "must be above bounds/min/" + std::to_string(axis));
+  } else if (std::none_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& o) { return o.visible; })) {
+    source.fail("/volume/bounds", "\"auto\" needs a visible object; add one to /objects, or give min and max");
+  }
+}
+
+void checkObjects(const Scene& scene, const SceneSource& source) {
+  std::vector<std::string> names;
+  for (const Material& material : scene.materials) {
+    checkOptics(material, "/materials/" + pointerToken(material.name), source);
+    names.push_back(material.name);
+  }
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const std::string pointer = "/objects/" + std::to_string(i);
+    if (std::find(names.begin(), names.end(), object.material) == names.end())
+      source.fail(pointer + "/material",
+                  "no material is called " + excerpt(object.material) + "; " +
+                      (names.empty() ? "add it to /materials"
+                                     : "the nearest known one is " + excerpt(nearestWord(object.material, names))));
+    for (int axis = 0; axis < 3; ++axis)
+      if (object.placement.scale[axis] == 0)
+        source.fail(pointer + "/scale/" + std::to_string(axis), "0 makes the object flat; give another value");
+  }
+}
+
+void checkLights(const Scene& scene, const SceneSource& source) {
+  for (std::size_t i = 0; i < scene.lights.size(); ++i)
+    if (scene.lights[i].type == LightType::Directional &&
+        dot(scene.lights[i].direction, scene.lights[i].direction) == 0)
+      source.fail("/lights/" + std::to_string(i) + "/direction",
+                  "has no length; say where the light goes, as [0, 0, -1]");
+}
+
+void checkCamera(const Camera& camera, const SceneSource& source) {
+  const Vec3d view = difference(camera.target, camera.position);
+  const double viewLength = std::sqrt(dot(view, view)), upLength = std::sqrt(dot(camera.up, camera.up));
+  if (viewLength == 0) source.fail("/camera/target", "is where the camera is; give a point in front of it");
+  if (upLength == 0) source.fail("/camera/up", "has no length; give a direction, as [0, 0, 1]");
+  // One ten-millionth of a radian from the line of sight leaves no digits to tell the sides of the picture apart.
+  if (1 - std::abs(dot(view, camera.up)) / (viewLength * upLength) < 5e-15)
+    source.fail("/camera/up", "points along the line of sight; give a direction across it");
+}
+
+} // namespace
+
+void checkScene(const Scene& scene, const SceneSource& source) {
+  checkVolume(scene, source);
+  checkObjects(scene, source);
+  checkLights(scene, source);
+  if (scene.stepField.indexTolerance2 < scene.stepField.indexTolerance)
+    source.fail("/stepField/indexTolerance2", "must not be below indexTolerance; raise it or lower the other");
+  if (scene.photons.maxStep < scene.photons.minStep)
+    source.fail("/photons/maxStep", "must not be below minStep; raise it or lower the other");
+  checkCamera(scene.camera, source);
+}
+
+} // namespace volcaustic

@@ -1,0 +1,257 @@
+#include "transport/direct.h"
+
+#include "core/parallel.h"
+
+#include <cmath>
+
+namespace volcaustic {
+
+namespace {
+
+using kernels::Double3;
+using kernels::dot;
+using kernels::EmissionFrame;
+using kernels::Int3;
+
+constexpr int kTile = 8; // raster cells along a tile's edge
+
+/// Nearest and farthest first bend over the cells of each tile.
+struct TileDepths {
+  int columns, rows;
+  std::vector<float> nearest, farthest;
+};
+
+TileDepths tileDepths(const EmissionFrame& frame, std::span<const float> entry, const RunContext& ctx) {
+  TileDepths t{(frame.columns + kTile - 1) / kTile, (frame.rows + kTile - 1) / kTile, {}, {}};
+  t.nearest.resize(std::size_t(t.columns) * t.rows);
+  t.farthest.resize(t.nearest.size());
+  parallelFor(t.rows, 4, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (auto ty = begin; ty < end; ++ty)
+      for (int tx = 0; tx < t.columns; ++tx) {
+        float low = kernels::kNeverBends, high = 0;
+        for (auto y = ty * kTile; y < std::min<std::int64_t>((ty + 1) * kTile, frame.rows); ++y)
+          for (int x = tx * kTile; x < std::min((tx + 1) * kTile, frame.columns); ++x) {
+            const float d = entry[y * frame.columns + x];
+            low = std::min(low, d);
+            high = std::max(high, d);
+          }
+        t.nearest[ty * t.columns + tx] = low;
+        t.farthest[ty * t.columns + tx] = high;
+      }
+  });
+  return t;
+}
+
+/// Cells [u0, u1) x [v0, v1) of a raster.
+struct Footprint {
+  int u0, u1, v0, v1;
+  [[nodiscard]] bool empty() const { return u0 >= u1 || v0 >= v1; }
+};
+
+class DirectEvaluator {
+public:
+  DirectEvaluator(const FlatMediumStorage& flat, const Domain& domain, const Light& light, const EmissionFrame& frame,
+                  std::span<const float> entry, const RunContext& ctx)
+      : mFlat(flat), mFrame(frame), mEntry(entry), mTiles(tileDepths(frame, entry, ctx)), mVoxelSize(domain.voxelSize),
+        mStrength(light.type == LightType::Point
+                      ? Double3(light.intensity[0], light.intensity[1], light.intensity[2])
+                      : Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2])),
+        mClear(kernels::maxComponent(flat.optics[0].attenuation) == 0) {}
+
+  enum class Cover { Shadow, Lit, Mixed };
+
+  /// Whether a cube of voxels lies wholly before the first bends, wholly behind them, or neither.
+  [[nodiscard]] Cover cover(const Int3& low, int size) const {
+    double nearest, farthest;
+    const Footprint f = footprint(low, size, nearest, farthest);
+    if (f.empty()) return Cover::Shadow; // another face of the cube around the light sees it
+    bool lit = true, shadow = !frameEdgeCuts(low, size);
+    for (int ty = f.v0 / kTile; ty <= (f.v1 - 1) / kTile && (lit || shadow); ++ty)
+      for (int tx = f.u0 / kTile; tx <= (f.u1 - 1) / kTile; ++tx) {
+        lit = lit && mTiles.nearest[ty * mTiles.columns + tx] >= farthest;
+        shadow = shadow && mTiles.farthest[ty * mTiles.columns + tx] <= nearest;
+      }
+    if (lit && !frameEdgeCuts(low, size)) return Cover::Lit;
+    return shadow ? Cover::Shadow : Cover::Mixed;
+  }
+
+  /// Fraction of the voxel's light that has not met a bend: over the raster's rays that cross it, lit length by length.
+  [[nodiscard]] double litFraction(const Int3& v) const {
+    double nearest, farthest;
+    const Footprint f = footprint(v, 1, nearest, farthest);
+    double lit = 0, all = 0;
+    for (int y = f.v0; y < f.v1; ++y)
+      for (int x = f.u0; x < f.u1; ++x) {
+        const std::int64_t cell = std::int64_t{y} * mFrame.columns + x;
+        const kernels::EmissionRay ray = mFrame.ray(cell);
+        const Double3 o = ray.origin - Double3(v);
+        const kernels::Span s = kernels::clipToBox({1, 1, 1}, o, ray.direction);
+        const double in = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
+        if (!(s.exit > in)) continue;
+        const double bend = mEntry[cell] == kernels::kNeverBends ? 1e300 : mEntry[cell] + mFrame.depth0;
+        all += s.exit - in;
+        lit += kernels::clampTo(bend - in, 0.0, s.exit - in);
+      }
+    return all > 0 ? lit / all : centreLit(v);
+  }
+
+  /// Fluence of unobstructed light at the voxel's centre.
+  [[nodiscard]] Double3 fluence(const Int3& v, Double3& direction) const {
+    const Double3 p = Double3(v) + Double3(0.5);
+    Double3 strength = mStrength, origin = p - mFrame.axisW * 1e9;
+    direction = mFrame.axisW;
+    double reach = 1e9;
+    if (mFrame.point) {
+      const Double3 r = p - mFrame.origin;
+      reach = kernels::length(r);
+      direction = reach > 0 ? r * (1 / reach) : mFrame.axisW;
+      origin = mFrame.origin;
+      const double distance = std::max(reach, 0.5) * mVoxelSize; // inside the light's own voxel: at half a voxel
+      strength *= 1 / (distance * distance);
+    }
+    if (mClear) return strength;
+    const kernels::Span s = kernels::clipToBox(mFlat.dims, origin, direction);
+    const double start = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
+    return strength * kernels::transmittance(mFlat.optics[0], std::max(0.0, reach - start));
+  }
+
+  [[nodiscard]] bool uniformOverBrick() const { return mClear && !mFrame.point; }
+
+private:
+  /// A cube's position in the raster: plane coordinates of its corners, and nearest and farthest distance along the rays.
+  [[nodiscard]] Footprint footprint(const Int3& low, int size, double& nearest, double& farthest) const {
+    double u0 = 1e300, u1 = -1e300, v0 = 1e300, v1 = -1e300;
+    nearest = 1e300;
+    farthest = -1e300;
+    for (int i = 0; i < 8; ++i) {
+      const Double3 r =
+          Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)) - mFrame.origin;
+      double u = dot(r, mFrame.axisU), v = dot(r, mFrame.axisV), depth = dot(r, mFrame.axisW);
+      if (mFrame.point) {
+        if (depth <= 0) {
+          // Partly beside the light: take the whole raster on that side.
+          u = u > 0 ? 1e9 : -1e9;
+          v = v > 0 ? 1e9 : -1e9;
+        } else {
+          u /= depth;
+          v /= depth;
+        }
+        depth = kernels::length(r);
+      }
+      u0 = std::min(u0, u);
+      u1 = std::max(u1, u);
+      v0 = std::min(v0, v);
+      v1 = std::max(v1, v);
+      nearest = std::min(nearest, depth);
+      farthest = std::max(farthest, depth);
+    }
+    // A cube is farther from a point light at its corners than at its faces' middles.
+    if (mFrame.point) nearest = std::max(0.0, nearest - size);
+    nearest -= mFrame.depth0;
+    farthest -= mFrame.depth0;
+    const auto cell = [](double at, int count) { return static_cast<int>(kernels::clampTo(std::floor(at), 0.0, double(count))); };
+    return {cell((u0 - mFrame.u0) / mFrame.du, mFrame.columns), cell((u1 - mFrame.u0) / mFrame.du + 1, mFrame.columns),
+            cell((v0 - mFrame.v0) / mFrame.dv, mFrame.rows), cell((v1 - mFrame.v0) / mFrame.dv + 1, mFrame.rows)};
+  }
+
+  /// Only cubes around point lights have rasters that end inside the box.
+  [[nodiscard]] bool frameEdgeCuts(const Int3& low, int size) const { return mFrame.point && !centresInside(low, size); }
+  [[nodiscard]] bool centresInside(const Int3& low, int size) const {
+    for (int i = 0; i < 8; ++i)
+      if (!ownsPoint(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)))) return false;
+    return true;
+  }
+
+  [[nodiscard]] bool ownsPoint(const Double3& p) const {
+    const Double3 r = p - mFrame.origin;
+    const double w = dot(r, mFrame.axisW);
+    if (w <= 0) return false;
+    const double u = (dot(r, mFrame.axisU) / w - mFrame.u0) / mFrame.du, v = (dot(r, mFrame.axisV) / w - mFrame.v0) / mFrame.dv;
+    return u >= 0 && v >= 0 && u < mFrame.columns && v < mFrame.rows;
+  }
+
+  [[nodiscard]] double centreLit(const Int3& v) const {
+    const Double3 r = Double3(v) + Double3(0.5) - mFrame.origin;
+    double u = dot(r, mFrame.axisU), w = dot(r, mFrame.axisV), depth = dot(r, mFrame.axisW);
+    if (mFrame.point) {
+      if (depth <= 0) return 0;
+      u /= depth;
+      w /= depth;
+      depth = kernels::length(r);
+    }
+    const double column = std::floor((u - mFrame.u0) / mFrame.du), row = std::floor((w - mFrame.v0) / mFrame.dv);
+    if (column < 0 || row < 0 || column >= mFrame.columns || row >= mFrame.rows) return 0;
+    return mEntry[static_cast<std::int64_t>(row) * mFrame.columns + static_cast<std::int64_t>(column)] >= depth - mFrame.depth0;
+  }
+
+public:
+  /// Whether the voxel's centre belongs to this raster: the faces of a cube around a light share the box without overlap.
+  [[nodiscard]] bool owns(const Int3& v) const { return !mFrame.point || ownsPoint(Double3(v) + Double3(0.5)); }
+
+private:
+  const FlatMediumStorage& mFlat;
+  const EmissionFrame& mFrame;
+  std::span<const float> mEntry;
+  TileDepths mTiles;
+  double mVoxelSize;
+  Double3 mStrength;
+  bool mClear;
+};
+
+Vec3f plus(const Vec3f& a, const Double3& b) {
+  return {static_cast<float>(a[0] + b.x), static_cast<float>(a[1] + b.y), static_cast<float>(a[2] + b.z)};
+}
+
+} // namespace
+
+void addDirectLight(DirectLight& direct, const FlatMediumStorage& flat, const Domain& domain, const Light& light,
+                    const EmissionFrame& frame, std::span<const float> entry, const RunContext& ctx) {
+  using Cover = DirectEvaluator::Cover;
+  const DirectEvaluator evaluator(flat, domain, light, frame, entry, ctx);
+  const auto lowOf = [&](std::int64_t b) {
+    const Vec3i c = direct.fluence.brickCoord(b);
+    return Int3{c[0] * kBrickSize, c[1] * kBrickSize, c[2] * kBrickSize};
+  };
+
+  // Whole bricks first; only bricks that vary get voxels.
+  std::vector<Cover> covers(direct.fluence.brickCount());
+  parallelFor(direct.fluence.brickCount(), 256, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t b = begin; b < end; ++b) covers[b] = evaluator.cover(lowOf(b), kBrickSize);
+  });
+  std::vector<std::int64_t> varying;
+  for (std::int64_t b = 0; b < direct.fluence.brickCount(); ++b) {
+    if (covers[b] == Cover::Shadow) continue;
+    const bool uniform = covers[b] == Cover::Lit && evaluator.uniformOverBrick() && direct.fluence.isConstant(b);
+    if (!uniform) {
+      varying.push_back(b);
+      continue;
+    }
+    Double3 d;
+    const Double3 f = evaluator.fluence(lowOf(b), d);
+    direct.fluence.setConstant(b, plus(direct.fluence.constant(b), f));
+    direct.direction.setConstant(b, plus(direct.direction.constant(b), d * kernels::luminance(f)));
+  }
+  ctx.requireMemory(varying.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: direct light");
+  direct.fluence.activate(varying);
+  direct.direction.activate(varying);
+
+  parallelFor(static_cast<std::int64_t>(varying.size()), 8, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const std::int64_t b = varying[i];
+      const auto fluence = direct.fluence.voxels(b), direction = direct.direction.voxels(b);
+      const Int3 low = lowOf(b);
+      for (int k = 0; k < kBrickVoxels; ++k) {
+        const Int3 v{low.x + (k >> 6), low.y + ((k >> 3) & 7), low.z + (k & 7)};
+        if (!evaluator.owns(v)) continue;
+        const double lit = covers[b] == Cover::Lit ? 1.0 : evaluator.litFraction(v);
+        if (lit == 0) continue;
+        Double3 d;
+        const Double3 f = evaluator.fluence(v, d) * lit;
+        fluence[k] = plus(fluence[k], f);
+        direction[k] = plus(direction[k], d * kernels::luminance(f));
+      }
+    }
+  });
+}
+
+} // namespace volcaustic

@@ -1,0 +1,152 @@
+#include "transport/emission.h"
+
+#include "volcaustic/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace volcaustic {
+
+namespace {
+
+using kernels::cross;
+using kernels::Double3;
+using kernels::dot;
+using kernels::EmissionFrame;
+using kernels::normalize;
+
+[[noreturn]] void refuse(const Light& light, int number, const std::string& what) {
+  const std::string name = light.name.empty() ? "" : " (" + light.name + ")";
+  throw Error(ErrorKind::Usage, "lights[" + std::to_string(number) + "]" + name + ": " + what);
+}
+
+bool allFinite(const Vec3d& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
+
+void checkPower(const Light& light, int number, const Rgb& power, const char* what) {
+  for (const double c : power)
+    if (!std::isfinite(c) || c < 0) refuse(light, number, std::string(what) + " must be finite and not negative");
+}
+
+/// Two unit vectors across w. An axis-aligned w gets the other two axes, so that cells line up with voxels.
+void buildFrame(EmissionFrame& f, const Double3& w) {
+  const Double3 size{std::abs(w.x), std::abs(w.y), std::abs(w.z)};
+  const Double3 across = size.x <= size.y && size.x <= size.z ? Double3(1, 0, 0)
+                         : size.y <= size.z                   ? Double3(0, 1, 0)
+                                                              : Double3(0, 0, 1);
+  f.axisW = w;
+  f.axisU = normalize(cross(across, w));
+  f.axisV = cross(w, f.axisU);
+}
+
+/// Calls visit with each corner of the box.
+template <class Visit>
+void forCorners(const Domain& domain, const Visit& visit) {
+  for (int i = 0; i < 8; ++i)
+    visit(Double3(i & 1 ? domain.dims[0] : 0, i & 2 ? domain.dims[1] : 0, i & 4 ? domain.dims[2] : 0));
+}
+
+struct Bounds2 {
+  double u0 = 1e300, u1 = -1e300, v0 = 1e300, v1 = -1e300;
+  void add(double u, double v) {
+    u0 = std::min(u0, u);
+    u1 = std::max(u1, u);
+    v0 = std::min(v0, v);
+    v1 = std::max(v1, v);
+  }
+};
+
+void setRaster(EmissionFrame& f, const Bounds2& b, int columns, int rows) {
+  f.columns = columns;
+  f.rows = rows;
+  f.u0 = b.u0;
+  f.v0 = b.v0;
+  f.du = (b.u1 - b.u0) / columns;
+  f.dv = (b.v1 - b.v0) / rows;
+}
+
+EmissionFrame parallelFrame(const Light& light, int number, const Domain& domain, const PhotonOptions& options) {
+  const Double3 d{light.direction[0], light.direction[1], light.direction[2]};
+  if (!allFinite(light.direction) || !(dot(d, d) > 0)) refuse(light, number, "direction must be finite and not zero");
+  checkPower(light, number, light.irradiance, "irradiance");
+
+  EmissionFrame f;
+  buildFrame(f, normalize(d));
+  Bounds2 bounds;
+  double nearest = 1e300;
+  forCorners(domain, [&](const Double3& corner) {
+    bounds.add(dot(corner, f.axisU), dot(corner, f.axisV));
+    nearest = std::min(nearest, dot(corner, f.axisW));
+  });
+  f.origin = f.axisW * nearest; // the plane that touches the box
+  setRaster(f, bounds, options.grid[0], options.grid[1]);
+  const double cellArea = f.du * f.dv * domain.voxelSize * domain.voxelSize;
+  f.strength = Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2]) * cellArea;
+  return f;
+}
+
+EmissionFrame pointFrame(const Double3& position, const Double3& w, const Light& light) {
+  EmissionFrame f;
+  f.point = true;
+  f.origin = position;
+  f.strength = {light.intensity[0], light.intensity[1], light.intensity[2]};
+  buildFrame(f, w);
+  return f;
+}
+
+std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Domain& domain, const PhotonOptions& options) {
+  if (!allFinite(light.position)) refuse(light, number, "position must be finite");
+  checkPower(light, number, light.intensity, "intensity");
+  const Double3 position = toGrid(domain, light.position);
+  const Double3 dims(domain.dims[0], domain.dims[1], domain.dims[2]);
+  const Double3 towards = dims * 0.5 - position;
+
+  // One tangent plane serves when every corner lies within 60 degrees of the axis.
+  constexpr double kWidest = 1.7320508;
+  if (dot(towards, towards) > 0) {
+    EmissionFrame f = pointFrame(position, normalize(towards), light);
+    Bounds2 bounds;
+    bool fits = true;
+    forCorners(domain, [&](const Double3& corner) {
+      const Double3 r = corner - position;
+      const double w = dot(r, f.axisW);
+      if (w > 0) bounds.add(dot(r, f.axisU) / w, dot(r, f.axisV) / w);
+      fits = fits && w > 0;
+    });
+    if (fits && std::max({-bounds.u0, bounds.u1, -bounds.v0, bounds.v1}) < kWidest) {
+      const kernels::Int3 box{domain.dims[0], domain.dims[1], domain.dims[2]};
+      f.depth0 = std::max(0.0, kernels::clipToBox(box, position, f.axisW).entry);
+      setRaster(f, bounds, options.grid[0], options.grid[1]);
+      return {f};
+    }
+  }
+  // As many photons in all, shared between the six faces of a cube around the light.
+  std::vector<EmissionFrame> frames;
+  const double share = 1 / std::sqrt(6.0);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      EmissionFrame f = pointFrame(position, {axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0}, light);
+      setRaster(f, {-1, 1, -1, 1}, std::max(1, int(std::ceil(options.grid[0] * share))),
+                std::max(1, int(std::ceil(options.grid[1] * share))));
+      frames.push_back(f);
+    }
+  return frames;
+}
+
+} // namespace
+
+std::vector<EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain, const PhotonOptions& options,
+                                          std::uint64_t seed) {
+  std::vector<EmissionFrame> frames;
+  if (light.type == LightType::Directional)
+    frames.push_back(parallelFrame(light, number, domain, options));
+  else
+    frames = pointFrames(light, number, domain, options);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].jitter = options.jitter;
+    frames[i].seed = seed * 1000003u + static_cast<std::uint64_t>(number) * 8 + i;
+  }
+  return frames;
+}
+
+} // namespace volcaustic

@@ -1,0 +1,23 @@
+// Lights as the kernels see them: rasters in grid space over the domain's box.
+#pragma once
+
+#include "kernels/emission.h"
+#include "volcaustic/photons.h"
+
+#include <vector>
+
+namespace volcaustic {
+
+/// The rasters of a light: one for parallel light and for a point outside the box that sees it under a moderate angle, the six
+/// faces of a cube for a point inside or close by. `light` numbers the light, so that jitter differs between lights.
+/// \throws Error(Usage) "lights[i]: ..." for directions, positions and powers that make no sense.
+std::vector<kernels::EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain,
+                                                   const PhotonOptions& options, std::uint64_t seed);
+
+/// World to grid space.
+inline kernels::Double3 toGrid(const Domain& domain, const Vec3d& pWorld) {
+  return {(pWorld[0] - domain.minCorner[0]) / domain.voxelSize, (pWorld[1] - domain.minCorner[1]) / domain.voxelSize,
+          (pWorld[2] - domain.minCorner[2]) / domain.voxelSize};
+}
+
+} // namespace volcaustic

@@ -1,0 +1,227 @@
+#include "volume/nanovdb.h"
+
+#include "core/parallel.h"
+#include "volcaustic/error.h"
+
+#include <cstring>
+#include <fstream>
+#include <ostream>
+#include <vector>
+
+// Parallel loops that pass exceptions on, and the codecs of foreign files.
+#define NANOVDB_USE_OPENVDB
+#define NANOVDB_USE_TBB
+#define NANOVDB_USE_ZIP
+#define NANOVDB_USE_BLOSC
+
+// NanoVDB's headers and namespaces moved: OpenVDB 10 has util/OpenToNanoVDB.h, 11 util/CreateNanoGrid.h, and 12
+// tools/CreateNanoGrid.h in the namespace tools.
+#if __has_include(<nanovdb/tools/CreateNanoGrid.h>)
+#include <nanovdb/io/IO.h>
+#include <nanovdb/tools/CreateNanoGrid.h>
+#include <nanovdb/tools/NanoToOpenVDB.h>
+namespace nanotools = nanovdb::tools;
+#elif __has_include(<nanovdb/util/CreateNanoGrid.h>)
+#include <nanovdb/util/CreateNanoGrid.h>
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/NanoToOpenVDB.h>
+namespace nanotools = nanovdb;
+#else
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/NanoToOpenVDB.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+namespace nanotools = nanovdb;
+#endif
+
+namespace volcaustic {
+
+namespace {
+
+using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
+
+// The layout of a .nvdb: segments of one header, a record and a name for each grid, then the grids' bytes. Written out
+// here because NanoVDB trusts all of it.
+struct SegmentHeader {
+  std::uint64_t magic;
+  std::uint32_t version; // major in the top 11 bits
+  std::uint16_t gridCount, codec;
+};
+struct GridRecord {
+  std::uint64_t gridSize, fileSize, nameKey, voxelCount;
+  std::uint32_t gridType, gridClass;
+  double worldBox[6];
+  std::int32_t indexBox[6];
+  double voxelSize[3];
+  std::uint32_t nameSize, nodeCount[4], tileCount[3];
+  std::uint16_t codec, padding;
+  std::uint32_t version;
+};
+static_assert(sizeof(SegmentHeader) == 16 && sizeof(GridRecord) == 176);
+
+class ClaimChecker {
+public:
+  explicit ClaimChecker(const std::string& path)
+      : mPath(path), mFile(path, std::ios::binary | std::ios::ate), mLeft(static_cast<std::uint64_t>(mFile.tellg())) {
+    mFile.seekg(0);
+  }
+  void check() {
+    while (mLeft > 0) checkSegment();
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorKind::Input, mPath + ": damaged: " + what + "; write it again with the program that made it");
+  }
+  template <class T>
+  T take(const char* what) {
+    T value{};
+    skip(sizeof value, what);
+    mFile.seekg(-static_cast<std::streamoff>(sizeof value), std::ios::cur);
+    mFile.read(reinterpret_cast<char*>(&value), sizeof value);
+    return value;
+  }
+  void skip(std::uint64_t bytes, const char* what) {
+    if (bytes > mLeft) fail(std::string(what) + " reaches beyond the end of the file");
+    mFile.seekg(static_cast<std::streamoff>(bytes), std::ios::cur);
+    mLeft -= bytes;
+  }
+  void checkSegment() {
+    const auto header = take<SegmentHeader>("a segment header");
+    if (std::memcmp(&header.magic, "NanoVDB", 7) != 0) fail("a segment does not start with NanoVDB's magic number");
+    if (header.version >> 21 != NANOVDB_MAJOR_VERSION_NUMBER)
+      throw Error(ErrorKind::Input, mPath + ": is of NanoVDB version " + std::to_string(header.version >> 21) +
+                                        ", this program reads " + std::to_string(NANOVDB_MAJOR_VERSION_NUMBER) +
+                                        "; convert it with nanovdb_convert");
+    if (header.gridCount == 0) fail("a segment without grids");
+    if (header.codec > static_cast<unsigned>(nanovdb::io::Codec::BLOSC)) fail("unknown compression");
+    std::vector<GridRecord> records;
+    for (int i = 0; i < header.gridCount; ++i) {
+      records.push_back(take<GridRecord>("a grid record"));
+      skip(records.back().nameSize, "a grid's name");
+    }
+    for (const GridRecord& record : records) checkGrid(record, header.codec);
+  }
+  void checkGrid(const GridRecord& record, std::uint16_t codec) {
+    if (record.gridSize < sizeof(nanovdb::GridData)) fail("a grid is smaller than its own header");
+    if (codec == static_cast<std::uint16_t>(nanovdb::io::Codec::NONE)) {
+      if (record.fileSize != record.gridSize) fail("an uncompressed grid whose sizes disagree");
+      return skip(record.fileSize, "a grid");
+    }
+    // Compressed grids are chunks, each after its own size, of at most 1 GiB before compression.
+    const std::uint64_t chunks =
+        codec == static_cast<std::uint16_t>(nanovdb::io::Codec::ZIP) ? 1 : (record.gridSize - 1) / (1u << 30) + 1;
+    for (std::uint64_t i = 0; i < chunks; ++i) skip(take<std::uint64_t>("a compressed grid"), "a compressed grid");
+  }
+
+  const std::string& mPath;
+  std::ifstream mFile;
+  std::uint64_t mLeft;
+};
+
+std::string gridName(const Handle& handle) {
+  const auto& data = *reinterpret_cast<const nanovdb::GridData*>(handle.data());
+  return {data.mGridName, strnlen(data.mGridName, sizeof data.mGridName)};
+}
+
+/// True when every node that the tree points to lies inside the grid's own bytes.
+template <class Value>
+bool nodesInside(const nanovdb::NanoGrid<Value>& grid, const Handle& handle) {
+  const auto begin = reinterpret_cast<std::uintptr_t>(handle.data()), end = begin + handle.size();
+  const auto inside = [&](const void* node, std::size_t bytes) {
+    const auto address = reinterpret_cast<std::uintptr_t>(node);
+    return address % NANOVDB_DATA_ALIGNMENT == 0 && address >= begin && address <= end && bytes <= end - address;
+  };
+  if (!inside(&grid.tree(), sizeof(grid.tree()))) return false;
+  const auto& root = grid.tree().root();
+  if (!inside(&root, sizeof root) || !inside(&root + 1, sizeof(*root.data()->tile(0)) * root.data()->mTableSize))
+    return false;
+  for (std::uint32_t t = 0; t < root.data()->mTableSize; ++t) {
+    const auto* tile = root.data()->tile(t);
+    if (!tile->isChild()) continue;
+    const auto* upper = root.data()->getChild(tile);
+    if (!inside(upper, sizeof *upper)) return false;
+    for (auto l = upper->childMask().beginOn(); l; ++l) {
+      const auto* lower = upper->data()->getChild(*l);
+      if (!inside(lower, sizeof *lower)) return false;
+      for (auto leaf = lower->childMask().beginOn(); leaf; ++leaf)
+        if (const auto* node = lower->data()->getChild(*leaf); !inside(node, sizeof *node)) return false;
+    }
+  }
+  return true;
+}
+
+/// Converts the grid when it is of this value type.
+template <class Value>
+bool convertIf(const Handle& handle, const std::string& place, openvdb::GridBase::Ptr& result) {
+  const auto* grid = handle.grid<Value>();
+  if (!grid) return false;
+  if (!nodesInside<Value>(*grid, handle))
+    throw Error(ErrorKind::Input,
+                place + " is damaged: it points outside its own data; write it again with the program that made it");
+  result = nanotools::nanoToOpenVDB(*grid);
+  return true;
+}
+
+template <class... Value>
+openvdb::GridBase::Ptr convertAny(const Handle& handle, const std::string& path) {
+  const std::string place = path + ": grid '" + gridName(handle) + "'";
+  if (handle.gridMetaData()->gridSize() > handle.size())
+    throw Error(ErrorKind::Input, place + " is damaged: larger than its own data");
+  openvdb::GridBase::Ptr result;
+  if (!(convertIf<Value>(handle, place, result) || ...))
+    throw Error(ErrorKind::Input,
+                place + " is of a type that has no OpenVDB counterpart here; leave it out of the file");
+  return result;
+}
+
+/// Value types that OpenVDB registers, and NanoVDB's quantised floats. Every type more costs half a minute of
+/// compilation.
+openvdb::GridBase::Ptr toOpenVdb(const Handle& handle, const std::string& path) {
+  return convertAny<float, double, std::int32_t, bool, nanovdb::Vec3f, nanovdb::Vec3d, nanovdb::Fp4, nanovdb::Fp8,
+                    nanovdb::Fp16, nanovdb::FpN>(handle, path);
+}
+
+template <class GridType>
+bool encodeIf(const openvdb::GridBase& grid, Handle& result) {
+  if (!grid.isType<GridType>()) return false;
+  result =
+      nanotools::openToNanoVDB<nanovdb::HostBuffer, typename GridType::TreeType>(static_cast<const GridType&>(grid));
+  return true;
+}
+
+template <class... GridType>
+Handle encodeAny(const openvdb::GridBase& grid, const std::string& place) {
+  Handle result;
+  if (!(encodeIf<GridType>(grid, result) || ...))
+    throw Error(ErrorKind::Input, place + ": grid '" + grid.getName() + "' of type " + grid.type() +
+                                      " cannot be stored as NanoVDB; leave it out or write a .vdb");
+  return result;
+}
+
+} // namespace
+
+openvdb::GridPtrVec readNanoVdb(const std::string& path) {
+  ClaimChecker(path).check();
+  RunContext serial;
+  serial.threads = 1;
+  openvdb::GridPtrVec grids;
+  withThreads(serial, [&] {
+    for (const Handle& handle : nanovdb::io::readGrids(path)) grids.push_back(toOpenVdb(handle, path));
+  });
+  return grids;
+}
+
+void writeNanoVdb(std::ostream& out, const openvdb::GridPtrVec& grids, const std::string& place,
+                  const RunContext& ctx) {
+  using namespace openvdb;
+  withThreads(ctx, [&] {
+    for (const auto& grid : grids) {
+      ctx.throwIfCancelled();
+      nanovdb::io::writeGrid(out,
+                             encodeAny<FloatGrid, DoubleGrid, Int32Grid, BoolGrid, Vec3SGrid, Vec3DGrid>(*grid, place),
+                             nanovdb::io::Codec::BLOSC);
+    }
+  });
+}
+
+} // namespace volcaustic

@@ -1,0 +1,225 @@
+#include "volume/grids.h"
+#include "volume/radiance_grids.h"
+#include "volume/vdb_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace volcaustic {
+
+namespace {
+
+constexpr int kMaxDims = 1 << 15;
+
+[[noreturn]] void fail(const std::string& place, const std::string& what) {
+  throw Error(ErrorKind::Input, place + ": " + what);
+}
+
+bool isFinite(float v) { return std::isfinite(v); }
+bool isFinite(const openvdb::Vec3s& v) { return v.isFinite(); }
+
+/// The grid as one of floats; doubles are rounded. \throws Error(Input) for another type or values that are not finite.
+template <class GridType>
+typename GridType::Ptr asFloats(const openvdb::GridBase::Ptr& grid, const std::string& place) {
+  using DoubleTree =
+      std::conditional_t<std::is_same_v<GridType, openvdb::FloatGrid>, openvdb::DoubleTree, openvdb::Vec3DTree>;
+  typename GridType::Ptr result;
+  if (grid->isType<GridType>()) {
+    result = openvdb::gridPtrCast<GridType>(grid);
+  } else if (const auto doubles = openvdb::gridPtrCast<openvdb::Grid<DoubleTree>>(grid)) {
+    result = GridType::create(std::make_shared<typename GridType::TreeType>(doubles->tree()));
+    result->setTransform(doubles->transformPtr());
+    result->insertMeta(*doubles);
+  } else {
+    fail(place, "grid '" + grid->getName() + "' is of type " + grid->type() + "; expected " + GridType::gridType());
+  }
+  if (!isFinite(result->background()))
+    fail(place, "grid '" + grid->getName() + "' has a background that is not finite");
+  for (auto value = result->cbeginValueOn(); value; ++value)
+    if (!isFinite(*value)) fail(place, "grid '" + grid->getName() + "' holds values that are not finite");
+  return result;
+}
+
+void requirePlainTransform(const openvdb::GridBase& grid, const std::string& place) {
+  const openvdb::math::Transform& t = grid.transform();
+  const openvdb::Vec3d h = t.voxelSize(), origin = t.indexToWorld(openvdb::Vec3d(0));
+  bool plain = t.isLinear() && h.isFinite() && origin.isFinite() && h[0] > 0;
+  for (int a = 0; plain && a < 3; ++a) {
+    openvdb::Vec3d unit(0.0);
+    unit[a] = h[0];
+    openvdb::Vec3d index(0.0);
+    index[a] = 1;
+    plain = (t.indexToWorld(index) - origin).eq(unit, 1e-6 * h[0] + 1e-12 * origin.length());
+  }
+  if (!plain)
+    fail(place, "grid '" + grid.getName() +
+                    "' is rotated, sheared, mirrored or has voxels that are no cubes; resample it first");
+}
+
+/// The file's own box where it has one that fits the grid, else the active voxels of the grid.
+Domain domainOf(const VdbFile& file, const openvdb::GridBase& grid, const std::string& place) {
+  requirePlainTransform(grid, place);
+  const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
+  Domain domain;
+  domain.voxelSize = grid.voxelSize()[0];
+  openvdb::Coord first(0);
+  if (const auto dims = file.metadata.getMetadata<openvdb::Vec3IMetadata>(metadata_key::kDims)) {
+    for (int a = 0; a < 3; ++a) domain.dims[a] = dims->value()[a];
+  } else {
+    if (active.empty()) fail(place, "grid '" + grid.getName() + "' has no active voxel, so its box is unknown");
+    first = active.min();
+    for (int a = 0; a < 3; ++a)
+      domain.dims[a] =
+          static_cast<int>(std::min<std::int64_t>(std::int64_t{active.max()[a]} - active.min()[a] + 1, kMaxDims + 1));
+  }
+  for (int a = 0; a < 3; ++a) {
+    if (domain.dims[a] < 1 || domain.dims[a] > kMaxDims)
+      fail(place, "a box of " + std::to_string(domain.dims[a]) + " voxels along an axis; 1 to 32768 are possible");
+    if (!active.empty() && (active.min()[a] < first[a] || std::int64_t{active.max()[a]} - first[a] >= domain.dims[a]))
+      fail(place, "grid '" + grid.getName() + "' has voxels outside the file's box (" + metadata_key::kDims + ")");
+  }
+  const openvdb::Vec3d corner = grid.indexToWorld(first.asVec3d() - 0.5);
+  domain.minCorner = {corner[0], corner[1], corner[2]};
+
+  // A transform keeps only the centre of the first voxel; the corner itself is exact in the metadata.
+  const auto exactCorner = file.metadata.getMetadata<openvdb::Vec3DMetadata>(metadata_key::kMinCorner);
+  const auto exactSize = file.metadata.getMetadata<openvdb::DoubleMetadata>(metadata_key::kVoxelSize);
+  const double tolerance = 1e-6 * domain.voxelSize;
+  if (exactCorner && exactSize && exactCorner->value().eq(corner, tolerance) &&
+      std::abs(exactSize->value() - domain.voxelSize) <= tolerance) {
+    domain.voxelSize = exactSize->value();
+    for (int a = 0; a < 3; ++a) domain.minCorner[a] = exactCorner->value()[a];
+  }
+  return domain;
+}
+
+/// The grid with the domain's transform: shifted by whole voxels where its own starts elsewhere.
+template <class GridType>
+typename GridType::Ptr onDomain(const typename GridType::Ptr& grid, const Domain& domain, const std::string& place) {
+  requirePlainTransform(*grid, place);
+  const auto transform = domainTransform(domain);
+  const openvdb::Vec3d offset = transform->worldToIndex(grid->indexToWorld(openvdb::Vec3d(0)));
+  const openvdb::Coord shift = openvdb::Coord::round(offset);
+  const double ratio = grid->voxelSize()[0] / domain.voxelSize;
+  if (!offset.eq(shift.asVec3d(), 1e-3) || std::abs(ratio - 1) > 1e-6)
+    fail(place, "the voxels of grid '" + grid->getName() + "' do not lie on those of the volume; resample it first");
+  auto result = grid;
+  if (shift != openvdb::Coord(0)) {
+    result = GridType::create(grid->background());
+    result->insertMeta(*grid);
+    auto voxels = result->getAccessor();
+    for (auto value = grid->cbeginValueOn(); value; ++value) {
+      openvdb::CoordBBox box = value.getBoundingBox();
+      box.translate(shift);
+      if (value.isVoxelValue())
+        voxels.setValueOn(box.min(), *value);
+      else
+        result->sparseFill(box, *value, true);
+    }
+  }
+  result->setTransform(transform);
+  return result;
+}
+
+template <class MetadataType, class T>
+T metadataOr(const VdbFile& file, const char* key, const T& otherwise) {
+  const auto metadata = file.metadata.getMetadata<MetadataType>(key);
+  return metadata ? metadata->value() : otherwise;
+}
+
+/// The ambient value as a double from the metadata, where it agrees with the (possibly half) background.
+double ambientValue(double stored, double background) {
+  return std::abs(stored - background) <= 1e-3 * std::abs(background) ? stored : background;
+}
+
+Rgb ambientRgb(const VdbFile& file, const char* key, const openvdb::Vec3SGrid::Ptr& grid) {
+  const openvdb::Vec3d background = grid ? openvdb::Vec3d(grid->background()) : openvdb::Vec3d(0.0);
+  const openvdb::Vec3d stored = metadataOr<openvdb::Vec3DMetadata>(file, key, background);
+  Rgb value;
+  for (int c = 0; c < 3; ++c) value[c] = ambientValue(stored[c], background[c]);
+  return value;
+}
+
+template <class GridType>
+typename GridType::Ptr gridOrNull(const VdbFile& file, const char* name, const Domain& domain,
+                                  const std::string& place) {
+  const auto grid = file.find(name);
+  return grid ? onDomain<GridType>(asFloats<GridType>(grid, place), domain, place) : nullptr;
+}
+
+void requireIndexAboveZero(const openvdb::FloatGrid& index, const std::string& place) {
+  bool positive = index.background() > 0;
+  for (auto value = index.cbeginValueOn(); value && positive; ++value) positive = *value > 0;
+  if (!positive) fail(place, "grid 'index' holds values that are not above zero; a refractive index is");
+}
+
+} // namespace
+
+Medium readMedium(const std::filesystem::path& path, const RunContext& ctx) {
+  const std::string place = path.string();
+  const VdbFile file = readVdbFile(path, ctx, [&](std::span<const GridName> grids) {
+    const auto found = gridsNamed({"index", "attenuation", "scattering", "coverage", "asymmetry"})(grids);
+    if (std::none_of(found.begin(), found.end(), [&](std::size_t i) { return grids[i].name == "index"; }))
+      fail(place, "holds no grid 'index'; it holds " + listGrids(grids));
+    return found;
+  });
+  const auto index = asFloats<openvdb::FloatGrid>(file.find("index"), place);
+  requireIndexAboveZero(*index, place);
+  const Domain domain = domainOf(file, *index, place);
+
+  MediumGrids grids;
+  grids.index = onDomain<openvdb::FloatGrid>(index, domain, place);
+  const auto attenuation = gridOrNull<openvdb::Vec3SGrid>(file, "attenuation", domain, place);
+  const auto scattering = gridOrNull<openvdb::Vec3SGrid>(file, "scattering", domain, place);
+  const auto asymmetry = gridOrNull<openvdb::FloatGrid>(file, "asymmetry", domain, place);
+  grids.coverage = gridOrNull<openvdb::FloatGrid>(file, "coverage", domain, place);
+  grids.attenuation = attenuation;
+  grids.scattering = scattering;
+  grids.asymmetry = asymmetry;
+
+  Ambient ambient;
+  const double background = index->background();
+  ambient.index =
+      ambientValue(metadataOr<openvdb::DoubleMetadata>(file, metadata_key::kAmbientIndex, background), background);
+  ambient.attenuation = ambientRgb(file, metadata_key::kAmbientAttenuation, attenuation);
+  ambient.scattering = ambientRgb(file, metadata_key::kAmbientScattering, scattering);
+  const double g = metadataOr<openvdb::DoubleMetadata>(file, metadata_key::kAmbientAsymmetry, 0.0);
+  ambient.asymmetry = asymmetry ? ambientValue(g, asymmetry->background()) : g;
+  if (!(std::abs(ambient.asymmetry) < 1)) fail(place, "the ambient asymmetry is not between -1 and 1");
+  return mediumFromGrids(domain, ambient, grids);
+}
+
+RadianceVolume readRadiance(const std::filesystem::path& path, const Domain& domain, const RunContext& ctx) {
+  const std::string place = path.string();
+  const VdbFile file = readVdbFile(path, ctx, [&](std::span<const GridName> grids) {
+    const auto found = gridsNamed({"radiance", "direction", "caustic", "direct"})(grids);
+    if (std::none_of(found.begin(), found.end(), [&](std::size_t i) { return grids[i].name == "radiance"; }))
+      fail(place, "holds no grid 'radiance'; it holds " + listGrids(grids));
+    return found;
+  });
+  if (const auto dims = file.metadata.getMetadata<openvdb::Vec3IMetadata>(metadata_key::kDims))
+    if (Vec3i{dims->value()[0], dims->value()[1], dims->value()[2]} != domain.dims)
+      fail(place, "was made for a volume of " + dims->str() + " voxels, the scene's has " +
+                      std::to_string(domain.dims[0]) + " x " + std::to_string(domain.dims[1]) + " x " +
+                      std::to_string(domain.dims[2]) + "; trace the scene again");
+  const double factor = std::exp2(metadataOr<openvdb::DoubleMetadata>(file, metadata_key::kExposure, 0.0));
+  if (!std::isfinite(factor) || factor <= 0) fail(place, "its exposure is not finite");
+
+  const BrickGrid<Vec3f> none(domain.dims, {0, 0, 0});
+  std::uint64_t bytes = 3 * none.memoryBytes();
+  for (const auto& grid : file.grids) bytes += grid->baseTree().leafCount() * kBrickVoxels * sizeof(Vec3f);
+  ctx.requireMemory(bytes, place);
+
+  const auto fluence = [&](const char* name) {
+    return fluenceBricks(*gridOrNull<openvdb::Vec3SGrid>(file, name, domain, place), domain.dims, factor, ctx);
+  };
+  const bool parts = file.find("caustic") && file.find("direct");
+  const auto direction = gridOrNull<openvdb::Vec3SGrid>(file, "direction", domain, place);
+  auto bricks = std::make_shared<RadianceBricks>();
+  bricks->caustic = fluence(parts ? "caustic" : "radiance");
+  bricks->direct = parts ? fluence("direct") : none;
+  bricks->direction = direction ? fromVec3Grid(*direction, domain.dims, ctx) : none;
+  return {domain, bricks};
+}
+
+} // namespace volcaustic

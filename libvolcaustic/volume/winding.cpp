@@ -1,0 +1,196 @@
+#include "volume/winding.h"
+
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <cstdlib>
+#include <limits>
+#include <span>
+#include <tuple>
+
+namespace volcaustic {
+
+namespace {
+
+/// Faces along an edge, counted with their direction: positive from low to high.
+struct NetEdge {
+  std::uint32_t low, high;
+  std::int32_t faces;
+};
+
+struct HalfEdge {
+  std::uint32_t high;
+  std::int32_t sign;
+};
+
+/// Half-edges by their lower vertex.
+struct HalfEdges {
+  std::vector<std::uint64_t> start;
+  std::vector<HalfEdge> halves;
+};
+
+HalfEdges halfEdges(const Mesh& mesh, const RunContext& ctx) {
+  // Every vertex counts up first and then down to its start. Threads race for the order inside a vertex, which the sort
+  // to come undoes.
+  HalfEdges result;
+  result.start.assign(mesh.positions.size() + 1, 0);
+  const auto forEachHalf = [&](auto&& visit) {
+    parallelFor(static_cast<std::int64_t>(mesh.triangles.size()), 8192, ctx,
+                [&](std::int64_t begin, std::int64_t end, int) {
+                  for (std::int64_t t = begin; t < end; ++t)
+                    for (int i = 0; i < 3; ++i) {
+                      const std::uint32_t from = mesh.triangles[t][i], to = mesh.triangles[t][i == 2 ? 0 : i + 1];
+                      if (from < to) visit(std::atomic_ref(result.start[from]), HalfEdge{to, 1});
+                      if (to < from) visit(std::atomic_ref(result.start[to]), HalfEdge{from, -1});
+                    }
+                });
+  };
+  forEachHalf(
+      [](std::atomic_ref<std::uint64_t> count, const HalfEdge&) { count.fetch_add(1, std::memory_order_relaxed); });
+  std::uint64_t sum = 0;
+  for (std::uint64_t& start : result.start) start = sum += start;
+  result.halves.resize(sum);
+  forEachHalf([&](std::atomic_ref<std::uint64_t> place, const HalfEdge& half) {
+    result.halves[place.fetch_sub(1, std::memory_order_relaxed) - 1] = half;
+  });
+  return result;
+}
+
+/// Edges of the mesh whose faces do not cancel, vertices told apart by index.
+std::vector<NetEdge> uncancelledEdges(const Mesh& mesh, const RunContext& ctx) {
+  HalfEdges edges = halfEdges(mesh, ctx);
+  std::vector<std::vector<NetEdge>> found(threadCount(ctx));
+  parallelFor(static_cast<std::int64_t>(mesh.positions.size()), 4096, ctx,
+              [&](std::int64_t first, std::int64_t last, int slot) {
+                for (std::int64_t v = first; v < last; ++v) {
+                  const std::span<HalfEdge> ofVertex(edges.halves.data() + edges.start[v],
+                                                     edges.halves.data() + edges.start[v + 1]);
+                  std::sort(ofVertex.begin(), ofVertex.end(),
+                            [](const HalfEdge& a, const HalfEdge& b) { return a.high < b.high; });
+                  for (auto it = ofVertex.begin(); it != ofVertex.end();) {
+                    NetEdge edge{static_cast<std::uint32_t>(v), it->high, 0};
+                    for (; it != ofVertex.end() && it->high == edge.high; ++it) edge.faces += it->sign;
+                    if (edge.faces != 0) found[slot].push_back(edge);
+                  }
+                }
+              });
+  std::vector<NetEdge> all; // weld sorts them
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Gives vertices of equal position the index of the first of them, and cancels again.
+void weld(std::vector<NetEdge>& edges, const std::vector<Vec3d>& positions) {
+  std::vector<std::uint32_t> vertices;
+  for (const NetEdge& e : edges) vertices.insert(vertices.end(), {e.low, e.high});
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  std::vector<std::uint32_t> byPosition = vertices;
+  std::stable_sort(byPosition.begin(), byPosition.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return positions[a] < positions[b]; });
+  const auto slot = [&](std::uint32_t v) {
+    return std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
+  };
+  std::vector<std::uint32_t> representative(vertices.size());
+  for (std::size_t i = 0, first = 0; i < byPosition.size(); ++i) {
+    if (positions[byPosition[i]] != positions[byPosition[first]]) first = i;
+    representative[slot(byPosition[i])] = byPosition[first];
+  }
+  for (NetEdge& e : edges) {
+    e.low = representative[slot(e.low)];
+    e.high = representative[slot(e.high)];
+    if (e.low > e.high) {
+      std::swap(e.low, e.high);
+      e.faces = -e.faces;
+    }
+  }
+  std::sort(edges.begin(), edges.end(),
+            [](const NetEdge& a, const NetEdge& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < edges.size();) {
+    NetEdge sum{edges[i].low, edges[i].high, 0};
+    for (; i < edges.size() && edges[i].low == sum.low && edges[i].high == sum.high; ++i) sum.faces += edges[i].faces;
+    if (sum.faces != 0 && sum.low != sum.high) edges[kept++] = sum;
+  }
+  edges.resize(kept);
+}
+
+/// Calls loop(vertices) for simple loops that use up the chain: walk on until a vertex comes again, cut that loop off.
+template <class Loop>
+void forEachSimpleLoop(std::vector<BoundaryEdge> chain, Loop&& loop) {
+  std::sort(chain.begin(), chain.end(), [](const BoundaryEdge& a, const BoundaryEdge& b) {
+    return std::tie(a.from, a.to) < std::tie(b.from, b.to);
+  });
+  // Every vertex of a closed chain has as many edges in as out, so each `to` is also a `from`.
+  std::vector<std::uint32_t> vertices, next;
+  for (std::uint32_t i = 0; i < chain.size(); ++i)
+    if (vertices.empty() || vertices.back() != chain[i].from) {
+      vertices.push_back(chain[i].from);
+      next.push_back(i);
+    }
+  const std::vector<std::uint32_t> firstEdge = next;
+  const auto edgesEnd = [&](std::size_t slot) {
+    return slot + 1 < firstEdge.size() ? firstEdge[slot + 1] : static_cast<std::uint32_t>(chain.size());
+  };
+  constexpr std::size_t kOff = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> placeOnPath(vertices.size(), kOff), path;
+  std::vector<std::uint32_t> corners;
+  for (std::size_t start = 0; start < vertices.size(); ++start) {
+    path.assign(1, start);
+    placeOnPath[start] = 0;
+    while (next[path.back()] < edgesEnd(path.back())) {
+      const std::uint32_t to = chain[next[path.back()]++].to;
+      const std::size_t slot = std::lower_bound(vertices.begin(), vertices.end(), to) - vertices.begin();
+      assert(slot < vertices.size() && vertices[slot] == to);
+      if (placeOnPath[slot] == kOff) {
+        placeOnPath[slot] = path.size();
+        path.push_back(slot);
+        continue;
+      }
+      corners.clear();
+      for (std::size_t i = placeOnPath[slot]; i < path.size(); ++i) corners.push_back(vertices[path[i]]);
+      while (path.back() != slot) {
+        placeOnPath[path.back()] = kOff;
+        path.pop_back();
+      }
+      loop(corners);
+    }
+    assert(path.size() == 1);
+    placeOnPath[start] = kOff;
+  }
+}
+
+} // namespace
+
+std::vector<BoundaryEdge> boundaryChain(const Mesh& mesh, const RunContext& ctx) {
+  std::vector<NetEdge> edges = uncancelledEdges(mesh, ctx);
+  weld(edges, mesh.positions);
+  std::vector<BoundaryEdge> chain;
+  for (const NetEdge& e : edges)
+    chain.insert(chain.end(), static_cast<std::size_t>(std::abs(e.faces)),
+                 e.faces > 0 ? BoundaryEdge{e.low, e.high} : BoundaryEdge{e.high, e.low});
+  return chain;
+}
+
+LoopCaps capLoops(const Mesh& mesh, const std::vector<BoundaryEdge>& chain) {
+  LoopCaps caps;
+  forEachSimpleLoop(chain, [&](const std::vector<std::uint32_t>& loop) {
+    const auto first = static_cast<std::uint32_t>(caps.positions.size());
+    const auto size = static_cast<std::uint32_t>(loop.size());
+    for (const std::uint32_t v : loop) caps.positions.push_back(mesh.positions[v]);
+    for (std::uint32_t i = 0; i < size; ++i) caps.edges.push_back({first + i, first + (i + 1) % size});
+    const auto halve = [&](const auto& self, std::uint32_t i, std::uint32_t j) -> void {
+      if (j - i < 2) return;
+      const std::uint32_t middle = i + (j - i) / 2;
+      caps.triangles.push_back({j, middle, i});
+      self(self, i, middle);
+      self(self, middle, j);
+    };
+    halve(halve, first, first + size - 1);
+  });
+  return caps;
+}
+
+} // namespace volcaustic

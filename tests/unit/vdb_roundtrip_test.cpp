@@ -1,0 +1,273 @@
+#include "support/shared_data.h"
+#include "unit/vdb_fixture.h"
+#include "volcaustic/error.h"
+#include "volcaustic/vdb.h"
+
+#include <fstream>
+#include <iterator>
+#include <openvdb/io/Stream.h>
+
+namespace volcaustic::test {
+namespace {
+
+std::string bytesOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+template <class GridType>
+void expectSameGrid(const GridType& a, const GridType& b) {
+  EXPECT_EQ(a.transform(), b.transform());
+  EXPECT_EQ(a.background(), b.background());
+  ASSERT_TRUE(a.tree().hasSameTopology(b.tree())) << a.getName();
+  const auto access = b.getConstAccessor();
+  for (auto value = a.cbeginValueOn(); value; ++value)
+    ASSERT_EQ(*value, access.getValue(value.getCoord())) << a.getName();
+}
+
+openvdb::GridBase::Ptr readDirectly(const std::filesystem::path& path, const std::string& name) {
+  openvdb::initialize();
+  openvdb::io::File file(path);
+  file.open(false);
+  return file.readGrid(name);
+}
+
+TEST(VdbRoundTrip, MediumComesBackBitByBit) {
+  const TemporaryFolder folder;
+  const Medium written = ballMedium();
+  writeVdb(folder / "medium.vdb", written);
+  const Medium read = readMedium(folder / "medium.vdb");
+  EXPECT_EQ(read.domain().dims, written.domain().dims);
+  EXPECT_EQ(read.domain().minCorner, written.domain().minCorner);
+  EXPECT_EQ(read.domain().voxelSize, written.domain().voxelSize);
+  EXPECT_EQ(read.ambient().index, written.ambient().index);
+  EXPECT_EQ(read.ambient().attenuation, written.ambient().attenuation);
+  EXPECT_EQ(read.ambient().scattering, written.ambient().scattering);
+  EXPECT_EQ(read.ambient().asymmetry, written.ambient().asymmetry);
+  expectSameGrid(*written.grids().index, *read.grids().index);
+  expectSameGrid(*written.grids().attenuation, *read.grids().attenuation);
+  expectSameGrid(*written.grids().scattering, *read.grids().scattering);
+  expectSameGrid(*written.grids().coverage, *read.grids().coverage);
+  ASSERT_TRUE(read.grids().asymmetry);
+  expectSameGrid(*written.grids().asymmetry, *read.grids().asymmetry);
+}
+
+TEST(VdbRoundTrip, RadianceComesBackBitByBit) {
+  const TemporaryFolder folder;
+  for (const double exposure : {0.0, 10.0, -0.3}) {
+    VdbWriteOptions options;
+    options.exposure = exposure;
+    writeVdb(folder / "light.vdb", ballLight(), ballMedium(), options);
+    const RadianceVolume read = readRadiance(folder / "light.vdb", ballDomain());
+    writeVdb(folder / "again.vdb", read, ballMedium(), options);
+    EXPECT_TRUE(bytesOf(folder / "light.vdb") == bytesOf(folder / "again.vdb")) << "exposure " << exposure;
+    for (const Vec3i& voxel : {Vec3i{20, 20, 3}, Vec3i{17, 18, 30}, Vec3i{40, 5, 20}}) {
+      const Vec3f a = read.fluence(voxel), b = ballLight().fluence(voxel);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-6 * b[c]);
+      EXPECT_EQ(read.direction(voxel), ballLight().direction(voxel));
+    }
+  }
+}
+
+TEST(VdbRoundTrip, PartsStayApart) {
+  const TemporaryFolder folder;
+  VdbWriteOptions options;
+  options.parts = true;
+  const RadianceVolume light = ballLight();
+  writeVdb(folder / "light.vdb", light, ballMedium(), options);
+  const RadianceVolume read = readRadiance(folder / "light.vdb", ballDomain());
+  const Vec3i voxel{18, 19, 33};
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(read.causticFluence(voxel)[c], light.causticFluence(voxel)[c], 1e-6);
+    EXPECT_NEAR(read.directFluence(voxel)[c], light.directFluence(voxel)[c], 1e-6);
+  }
+}
+
+TEST(VdbRoundTrip, HalfFloatsKeepElevenBits) {
+  const TemporaryFolder folder;
+  VdbWriteOptions options;
+  options.half = true;
+  const Medium written = ballMedium();
+  writeVdb(folder / "half.vdb", written, options);
+  writeVdb(folder / "full.vdb", written);
+  EXPECT_LT(std::filesystem::file_size(folder / "half.vdb"), std::filesystem::file_size(folder / "full.vdb"));
+  const Medium read = readMedium(folder / "half.vdb");
+  EXPECT_EQ(read.ambient().index, written.ambient().index);
+  for (auto value = written.grids().index->cbeginValueOn(); value; ++value)
+    ASSERT_NEAR(read.grids().index->tree().getValue(value.getCoord()), *value, *value / 2048);
+}
+
+TEST(VdbWrite, BytesDependOnNothingButTheGrids) {
+  const TemporaryFolder folder;
+  RunContext one, two;
+  one.threads = 1;
+  two.threads = 2;
+  for (const char* name : {"a.vdb", "a.nvdb"}) {
+    writeVdb(folder / name, ballLight(), ballMedium(), {}, one);
+    const std::string first = bytesOf(folder / name);
+    writeVdb(folder / name, ballLight(), ballMedium(), {}, two);
+    EXPECT_TRUE(first == bytesOf(folder / name)) << name;
+  }
+  writeVdb(folder / "b.vdb", ballMedium());
+  writeVdb(folder / "a.vdb", ballLight(), ballMedium());
+  EXPECT_NE(bytesOf(folder / "a.vdb").substr(21, 36), bytesOf(folder / "b.vdb").substr(21, 36))
+      << "UUIDs of different files";
+}
+
+TEST(VdbWrite, GridsHaveTheTypesClassesAndMetadataOfTheFormatPage) {
+  const TemporaryFolder folder;
+  VdbWriteOptions options;
+  options.metadata = {{"scene_hash", "0123"}, {"frame", "7"}};
+  options.parts = true;
+  writeVdb(folder / "light.vdb", ballLight(), ballMedium(), options);
+  const VdbInfo info = inspectVdb(folder / "light.vdb");
+  EXPECT_EQ(info.metadata.at("software"), "volcaustic");
+  EXPECT_EQ(info.metadata.at("frame"), "7");
+  EXPECT_EQ(info.metadata.at("volcaustic_dims"), "[45, 40, 50]");
+  std::map<std::string, GridInfo> grids;
+  for (const GridInfo& grid : info.grids) grids[grid.name] = grid;
+  ASSERT_EQ(grids.size(), 6u);
+  for (const char* name : {"radiance", "caustic", "direct", "emission"}) {
+    EXPECT_EQ(grids.at(name).type, "Tree_vec3s_5_4_3") << name;
+    EXPECT_EQ(grids.at(name).gridClass, "fog volume") << name;
+    EXPECT_EQ(grids.at(name).vectorType, "invariant") << name;
+    EXPECT_EQ(grids.at(name).metadata.at("scene_hash"), "0123") << name;
+  }
+  EXPECT_EQ(grids.at("direction").vectorType, "contravariant relative");
+  EXPECT_EQ(grids.at("density").type, "Tree_float_5_4_3");
+  EXPECT_EQ(grids.at("density").gridClass, "fog volume");
+  EXPECT_EQ(grids.at("radiance").metadata.at("unit"), "W/(m2 sr)");
+  EXPECT_EQ(grids.at("radiance").metadata.at("software"), "volcaustic");
+  // The fog fills the box, so density and its bounds are the domain's.
+  EXPECT_EQ(grids.at("density").activeVoxels, 45u * 40u * 50u);
+  EXPECT_NEAR(grids.at("density").world.min[0], ballDomain().minCorner[0], 1e-9);
+  EXPECT_NEAR(grids.at("density").world.max[2], ballDomain().maxCorner()[2], 1e-9);
+}
+
+TEST(VdbWrite, EmissionIsScatteringTimesRadianceAndDensityALuminance) {
+  const TemporaryFolder folder;
+  writeVdb(folder / "light.vdb", ballLight(), ballMedium());
+  const auto emission = openvdb::gridPtrCast<openvdb::Vec3SGrid>(readDirectly(folder / "light.vdb", "emission"));
+  const auto density = openvdb::gridPtrCast<openvdb::FloatGrid>(readDirectly(folder / "light.vdb", "density"));
+  const Medium medium = ballMedium();
+  const RadianceVolume light = ballLight();
+  for (const Vec3i& v : {Vec3i{22, 20, 25}, Vec3i{3, 4, 45}, Vec3i{20, 20, 2}, Vec3i{3, 3, 3}}) {
+    const openvdb::Coord at(v[0], v[1], v[2]);
+    const openvdb::Vec3s s = medium.grids().scattering->tree().getValue(at),
+                         t = medium.grids().attenuation->tree().getValue(at);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(emission->tree().getValue(at)[c], s[c] * light.fluence(v)[c] / (4 * M_PI), 1e-6 * s[c]);
+    EXPECT_NEAR(density->tree().getValue(at), 0.2126 * t[0] + 0.7152 * t[1] + 0.0722 * t[2], 1e-6);
+  }
+  EXPECT_FALSE(emission->tree().isValueOn({3, 3, 3})) << "no light there, so nothing is stored";
+}
+
+TEST(VdbWrite, AFailedWriteLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "old.txt") << "old";
+  EXPECT_THROW(writeVdb(folder / "old.txt", ballMedium()), Error);
+  EXPECT_EQ(bytesOf(folder / "old.txt"), "old");
+  EXPECT_THROW(writeVdb(folder / "absent" / "x.vdb", ballMedium()), Error);
+  try {
+    writeVdb("/dev/full", ballMedium());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::Usage);
+  }
+}
+
+TEST(VdbCompare, FindsADifferenceOfKnownSize) {
+  const TemporaryFolder folder;
+  writeVdb(folder / "a.vdb", ballMedium());
+  for (const Difference& d : compareVdb(folder / "a.vdb", folder / "a.vdb")) EXPECT_EQ(d.maximum, 0) << d.name;
+
+  const Medium medium = ballMedium();
+  MediumGrids grids = medium.grids();
+  const auto coverage = grids.coverage->deepCopy();
+  coverage->tree().setValueOn({22, 20, 25}, 0.25F);                               // was 1
+  coverage->tree().sparseFill(openvdb::CoordBBox({8, 8, 8}, {15, 15, 15}), 0.5F); // a tile where the other has none
+  grids.coverage = coverage;
+  writeVdb(folder / "b.vdb", mediumFromGrids(medium.domain(), medium.ambient(), grids));
+  for (const Difference& d : compareVdb(folder / "a.vdb", folder / "b.vdb")) {
+    if (d.name != "coverage") {
+      EXPECT_EQ(d.maximum, 0) << d.name;
+      continue;
+    }
+    EXPECT_FLOAT_EQ(d.maximum, 0.75);
+    std::uint64_t active = 0;
+    double sum = 0.75;
+    for (auto v = coverage->cbeginValueOn(); v; ++v) active += v.getVoxelCount();
+    for (int i = 0; i < 512; ++i) {
+      const openvdb::Coord at(8 + i / 64, 8 + i / 8 % 8, 8 + i % 8);
+      sum += std::abs(0.5 - medium.grids().coverage->tree().getValue(at));
+    }
+    EXPECT_NEAR(d.meanAbsolute, sum / double(active), 1e-9);
+  }
+  writeVdb(folder / "c.vdb", ballLight(), ballMedium());
+  EXPECT_THROW((void)compareVdb(folder / "a.vdb", folder / "c.vdb"), Error);
+  Domain moved = ballDomain();
+  moved.minCorner[1] += 0.5;
+  writeVdb(folder / "d.vdb", ballMedium(moved));
+  EXPECT_THROW((void)compareVdb(folder / "a.vdb", folder / "d.vdb"), Error);
+}
+
+TEST(VdbConvert, NanoVdbAndBackChangesNoValue) {
+  const TemporaryFolder folder;
+  writeVdb(folder / "light.vdb", ballLight(), ballMedium());
+  convertVdb(folder / "light.vdb", folder / "light.nvdb");
+  convertVdb(folder / "light.nvdb", folder / "back.vdb");
+  const auto differences = compareVdb(folder / "light.vdb", folder / "back.vdb");
+  EXPECT_EQ(differences.size(), 4u);
+  for (const Difference& d : differences) EXPECT_EQ(d.maximum, 0) << d.name;
+  EXPECT_EQ(inspectVdb(folder / "light.nvdb").grids.size(), 4u);
+}
+
+TEST(ReadMedium, ForeignIndexGridGivesTheBoxOfItsActiveVoxels) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  auto index = openvdb::DoubleGrid::create(1.0);
+  index->setName("index");
+  index->fill(openvdb::CoordBBox({-5, 3, 100}, {4, 22, 107}), 1.33);
+  index->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  openvdb::io::File(folder / "foreign.vdb").write(openvdb::GridPtrVec{index});
+  const Medium medium = readMedium(folder / "foreign.vdb");
+  EXPECT_EQ(medium.domain().dims, (Vec3i{10, 20, 8}));
+  EXPECT_EQ(medium.domain().minCorner, (Vec3d{-2.75, 1.25, 49.75}));
+  EXPECT_EQ(medium.grids().index->tree().getValue({0, 0, 0}), 1.33F);
+  EXPECT_EQ(medium.grids().index->tree().getValue({10, 0, 0}), 1.0F);
+  EXPECT_EQ(medium.grids().index->activeVoxelCount(), 1600u);
+}
+
+TEST(ReadMedium, RefusesWhatNoMediumCanBe) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  const auto refused = [&](const openvdb::GridBase::Ptr& grid) {
+    grid->setName("index");
+    openvdb::io::File(folder / "bad.vdb").write(openvdb::GridPtrVec{grid});
+    try {
+      (void)readMedium(folder / "bad.vdb");
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::Input) << error.what();
+    }
+  };
+  auto nan = openvdb::FloatGrid::create(1);
+  nan->tree().setValueOn({1, 1, 1}, NAN);
+  refused(nan);
+  auto negative = openvdb::FloatGrid::create(1);
+  negative->tree().setValueOn({1, 1, 1}, -1);
+  refused(negative);
+  auto rotated = openvdb::FloatGrid::create(1);
+  rotated->tree().setValueOn({1, 1, 1}, 2);
+  rotated->transform().postRotate(0.3, openvdb::math::X_AXIS);
+  refused(rotated);
+  auto vast = openvdb::FloatGrid::create(1);
+  vast->tree().setValueOn({0, 0, 0}, 2);
+  vast->tree().setValueOn({2000000000, 0, 0}, 2);
+  refused(vast);
+  refused(openvdb::Int32Grid::create(1));
+  refused(openvdb::FloatGrid::create(1));
+}
+
+} // namespace
+} // namespace volcaustic::test

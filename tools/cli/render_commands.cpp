@@ -1,0 +1,224 @@
+// trace and render: photons to a radiance volume, and the picture of it.
+#include "common.h"
+#include "file_kind.h"
+#include "frames.h"
+#include "option_flags.h"
+#include "scene_input.h"
+
+#include <volcaustic/image.h>
+#include <volcaustic/scene.h>
+#include <volcaustic/session.h>
+#include <volcaustic/vdb.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <optional>
+
+namespace volcaustic::cli {
+
+namespace {
+
+/// What trace and render share: a scene, changes to it, and the frames of it.
+struct SceneRun {
+  std::string scene;
+  std::vector<std::string> outputs, sets;
+  std::string frames;
+  bool resume = false;
+};
+
+void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
+  command.add_option("SCENE", o.scene, "scene file, or - for standard input")->required();
+  command.add_option("-o,--output", o.outputs, outputText)->required()->allow_extra_args(false);
+  command.add_option("--set", o.sets, "set any option of the scene, as photons.grid=[512,512]; again for more")
+      ->allow_extra_args(false);
+  command.add_option("--frames", o.frames, "A-B[xS]: one file a frame, its number in the place of #### or %04d in OUT");
+  command.add_flag("--resume", o.resume, "skip frames whose files are there");
+}
+
+/// Calls body(frame, outputs of it) for each frame that is wanted. Without --frames the one frame is the first.
+template <class Body>
+void forEachFrame(Job& job, const SceneRun& o, FileKind kind, Body&& body) {
+  const bool many = !o.frames.empty();
+  for (const std::string& output : o.outputs) checkOutput(output, kind);
+  for (const std::string& output : o.outputs)
+    if (!many && hasFramePlace(output))
+      throw Error(ErrorKind::Usage, "--output " + output + ": has a place for a frame number; give --frames");
+  for (const int frame : many ? parseFrames(o.frames) : std::vector<int>{1}) {
+    std::vector<std::string> outputs;
+    for (const std::string& output : o.outputs)
+      outputs.push_back(many ? withFrame(framePattern(output), frame) : output);
+    const bool whole =
+        std::all_of(outputs.begin(), outputs.end(), [](const auto& f) { return std::filesystem::exists(f); });
+    for (const std::string& output : outputs) job.addOutput(output);
+    Json result = {{"frame", frame}, {"outputs", outputs}, {"skipped", o.resume && whole}};
+    if (o.resume && whole)
+      job.console().say(fmt::format("frame {}: is there, skipped", frame));
+    else
+      body(frame, outputs, result);
+    if (many)
+      job.report()["frames"].push_back(std::move(result));
+    else
+      job.report().update(result);
+  }
+}
+
+/// A session that takes one scene after the other, so that only what differs runs again.
+class FrameSession {
+public:
+  FrameSession(Job& job, const SceneRun& options) : mJob(job), mOptions(options) { mJob.addInput(options.scene); }
+
+  Session& at(int frame, Json& result) {
+    Scene scene = mJob.timed("read", [&] {
+      return readSceneArgument(mOptions.scene, {mOptions.sets, static_cast<double>(frame)});
+    });
+    result["sceneHash"] = sceneHash(scene);
+    if (mSession)
+      mSession->setScene(std::move(scene));
+    else
+      mSession.emplace(std::move(scene), mJob.context());
+    return *mSession;
+  }
+
+  /// Adds the stages that ran since the last call to the report.
+  void reportStages() {
+    const std::vector<StageRun>& runs = mSession->runs();
+    mJob.addStages(std::span(runs).subspan(mReported));
+    mReported = runs.size();
+  }
+
+private:
+  Job& mJob;
+  const SceneRun& mOptions;
+  std::optional<Session> mSession;
+  std::size_t mReported = 0;
+};
+
+/// The table of the energy balance, and warnings about photons that did not end as they should.
+void sayBalance(Job& job, const EnergyBalance& b, int maxSteps) {
+  const auto row = [&](const char* name, const Rgb& watts) {
+    job.console().say(fmt::format("  {:<20} {:>14.7g} {:>14.7g} {:>14.7g}", name, watts[0], watts[1], watts[2]));
+  };
+  job.console().say(fmt::format("energy balance [W] {:>17} {:>14} {:>14}", "R", "G", "B"));
+  row("emitted", b.emitted);
+  row("absorbed", b.absorbed);
+  row("scattered out", b.scattered);
+  row("left the box", b.escaped);
+  row("landed on receivers", b.received);
+  row("cut off", b.cutOff);
+  job.console().say(fmt::format("  relative imbalance {:>16.2e}", b.relativeImbalance()));
+  job.console().say(
+      fmt::format("photons: {} emitted, {} traced in {} steps", b.photonsEmitted, b.photonsTraced, b.steps));
+  if (b.photonsAtStepLimit > 0)
+    job.context().warn(
+        fmt::format("{} photons were cut off after {} steps; raise photons.maxSteps", b.photonsAtStepLimit, maxSteps));
+  if (b.photonsNotFinite > 0)
+    job.context().warn(fmt::format("{} photons left the finite numbers and were dropped", b.photonsNotFinite));
+}
+
+void addBalance(Job& job, const Session& session, const EnergyBalance& balance, Json& result) {
+  sayBalance(job, balance, session.scene().photons.maxSteps);
+  result["counts"] = photonCounts(balance);
+  result["energyBalance"] = energyReport(balance);
+}
+
+std::map<std::string, std::string> fileMetadata(const Job& job, const Json& result, int frame) {
+  return {{"scene_hash", result.at("sceneHash").get<std::string>()},
+          {"frame", std::to_string(frame)},
+          {"seed", std::to_string(job.context().seed)}};
+}
+
+struct Trace {
+  CommonOptions common;
+  SceneRun run;
+  VdbWriteOptions write;
+};
+
+void declareTrace(CLI::App& command, Trace& o) {
+  declareSceneRun(command, o.run, "the radiance volume, .vdb or .nvdb, or - for standard output");
+  command.get_option("--output")->expected(1);
+  addFlags(command, o.write);
+}
+
+int runTrace(const Trace& o) {
+  Job job("trace", o.common);
+  if (job.json() && o.run.outputs.front() == "-")
+    throw Error(ErrorKind::Usage, "--json: standard output is taken by -o -; write to a file");
+  FrameSession frames(job, o.run);
+  forEachFrame(job, o.run, FileKind::Volume, [&](int frame, const std::vector<std::string>& outputs, Json& result) {
+    Session& session = frames.at(frame, result);
+    const PhotonResult& photons = session.photons();
+    frames.reportStages();
+    addBalance(job, session, photons.balance, result);
+    VdbWriteOptions write = o.write;
+    write.metadata = fileMetadata(job, result, frame);
+    job.timed("write", [&] { writeVdb(outputs.front(), photons.radiance, session.medium(), write, job.context()); });
+    if (outputs.front() != "-") job.console().say(outputs.front() + ": written");
+  });
+  job.finish();
+  return 0;
+}
+
+struct Render {
+  CommonOptions common;
+  SceneRun run;
+  std::string radiance;
+  bool fullFloat = false;
+};
+
+void declareRender(CLI::App& command, Render& o) {
+  declareSceneRun(command, o.run,
+                  "picture: .exr with every layer, or .png and other formats, tone-mapped; again for more");
+  command.add_option("--radiance", o.radiance,
+                     "radiance volume of an earlier trace, instead of sending photons; with ####, one for each frame");
+  command.add_flag("--float", o.fullFloat, "32-bit floats in .exr files");
+}
+
+void writePictures(Job& job, const Render& o, const ViewResult& view, const Session& session,
+                   const std::vector<std::string>& outputs, const std::map<std::string, std::string>& metadata) {
+  Image image = view.image;
+  image.metadata.insert(metadata.begin(), metadata.end());
+  image.metadata["device"] = job.device();
+  for (const StageRun& run : session.runs())
+    image.metadata["ms_" + run.stage] = fmt::format("{:.3f}", run.milliseconds);
+  const ImageWriteOptions write{.half = !o.fullFloat, .exposure = session.scene().view.exposure};
+  for (const std::string& output : outputs) {
+    job.timed("write", [&] { writeImage(output, image, write, job.context()); });
+    job.console().say(output + ": written");
+  }
+}
+
+int runRender(const Render& o) {
+  Job job("render", o.common);
+  FrameSession frames(job, o.run);
+  if (!o.radiance.empty()) job.addInput(o.radiance);
+  forEachFrame(job, o.run, FileKind::Image, [&](int frame, const std::vector<std::string>& outputs, Json& result) {
+    Session& session = frames.at(frame, result);
+    if (!o.radiance.empty())
+      session.setRadiance(job.timed("read", [&] {
+        const std::string file = o.run.frames.empty() ? o.radiance : withFrame(o.radiance, frame);
+        return readRadiance(file, session.medium().domain(), job.context());
+      }));
+    else
+      addBalance(job, session, session.photons().balance, result);
+    const ViewResult& view = session.view();
+    frames.reportStages();
+    result["counts"].update(
+        {{"viewSteps", view.steps}, {"raysAtStepLimit", view.raysAtStepLimit}, {"raysNotFinite", view.raysNotFinite}});
+    if (view.raysAtStepLimit > 0)
+      job.context().warn(fmt::format("{} rays were cut off after {} steps; raise view.maxSteps", view.raysAtStepLimit,
+                                     session.scene().view.maxSteps));
+    writePictures(job, o, view, session, outputs, fileMetadata(job, result, frame));
+  });
+  job.finish();
+  return 0;
+}
+
+} // namespace
+
+void addRenderCommands(CLI::App& app, Action& action) {
+  addCommand<Trace>(app, action, "trace", "photons: a scene's light as a radiance volume", declareTrace, runTrace);
+  addCommand<Render>(app, action, "render", "photons and camera: a scene as a picture", declareRender, runRender);
+}
+
+} // namespace volcaustic::cli

@@ -1,0 +1,99 @@
+// scene check, schema and new.
+#include "common.h"
+#include "scene_input.h"
+
+#include <volcaustic/scene.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fmt/format.h>
+#include <iostream>
+#include <iterator>
+
+namespace volcaustic::cli {
+
+Scene readSceneArgument(const std::string& path, const SceneReadOptions& options) {
+  if (path != "-") return readScene(path, options);
+  // Frames read the scene again; standard input can be read once.
+  static const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  return parseScene(text, "<stdin>", options);
+}
+
+namespace {
+
+/// \throws Error(File) at the pointer of the first file of a scene that is not there.
+void checkFiles(const Scene& scene, const std::string& name) {
+  const auto check = [&](const std::filesystem::path& file, const std::string& pointer) {
+    std::error_code ignored;
+    if (!file.empty() && !std::filesystem::is_regular_file(file, ignored))
+      throw Error(ErrorKind::File,
+                  name + ":" + pointer + ": no such file: " + file.string() + "; paths start at the scene file");
+  };
+  check(scene.volume.file, "/volume/file");
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    check(scene.objects[i].meshFile, fmt::format("/objects/{}/mesh", i));
+}
+
+struct SceneCheck {
+  CommonOptions common;
+  std::vector<std::string> files, sets;
+};
+
+void declareCheck(CLI::App& command, SceneCheck& o) {
+  command.add_option("FILE", o.files, "scene files, or - for standard input")->required();
+  command.add_option("--set", o.sets, "set any option first, as photons.grid=[512,512]; again for more")
+      ->allow_extra_args(false);
+}
+
+int runCheck(const SceneCheck& o) {
+  Job job("scene check", o.common);
+  for (const std::string& file : o.files) {
+    const Scene scene = readSceneArgument(file, {o.sets, 1});
+    checkFiles(scene, file);
+    job.addInput(file);
+    job.report()["sceneHashes"].push_back(sceneHash(scene));
+    job.console().say(fmt::format("{}: good; {} objects, {} materials, {} lights", file, scene.objects.size(),
+                                  scene.materials.size(), scene.lights.size()));
+  }
+  job.finish();
+  return 0;
+}
+
+struct SceneSchema {};
+
+int runSchema(const SceneSchema&) {
+  std::fputs(sceneSchema().c_str(), stdout);
+  return 0;
+}
+
+struct SceneNew {
+  std::string mesh;
+};
+
+void declareNew(CLI::App& command, SceneNew& o) {
+  command.add_option("--mesh", o.mesh, "mesh to name in the scene, relative to where it will be saved");
+}
+
+int runNew(const SceneNew& o) {
+  std::string text = sceneTemplate();
+  if (!o.mesh.empty()) {
+    const std::string placeholder = "\"mesh\": " + Json(parseScene(text, "").objects.front().meshFile.string()).dump();
+    text.replace(text.find(placeholder), placeholder.size(), "\"mesh\": " + Json(o.mesh).dump());
+  }
+  std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+} // namespace
+
+void addSceneCommands(CLI::App& app, Action& action) {
+  CLI::App* scene = app.add_subcommand("scene", "check scene files, print their JSON Schema, start a new one");
+  scene->require_subcommand(1);
+  addCommand<SceneCheck>(*scene, action, "check", "validate scene files and the files they name", declareCheck,
+                         runCheck);
+  addCommand<SceneSchema>(
+      *scene, action, "schema", "print the JSON Schema of scene files", [](CLI::App&, SceneSchema&) {}, runSchema);
+  addCommand<SceneNew>(*scene, action, "new", "print a commented scene to start from", declareNew, runNew);
+}
+
+} // namespace volcaustic::cli

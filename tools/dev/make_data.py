@@ -1,0 +1,234 @@
+#!/usr/bin/python3
+"""Generates every mesh of data/meshes. Needs numpy only.
+
+    tools/dev/make_data.py [FOLDER]      writes into FOLDER, by default data/meshes
+
+Lengths are metres in the glass's own size of about one; z is up; triangles are counter-clockwise seen from outside.
+"""
+
+import pathlib
+import sys
+
+import numpy as np
+
+
+def write_ply(path, positions, triangles, comment):
+    """Binary little-endian PLY of float positions and triangles, checked to be closed and to enclose a positive volume."""
+    positions = np.asarray(positions, dtype="<f4")
+    triangles = np.asarray(triangles, dtype="<i4")
+    require_closed(path.name, triangles)
+    corner = positions.astype(np.float64)[triangles]
+    volume = np.einsum("ij,ij->", np.cross(corner[:, 0], corner[:, 1]), corner[:, 2]) / 6
+    if volume <= 0:
+        raise ValueError(f"{path.name}: faces point inwards (volume {volume})")
+
+    faces = np.empty(len(triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"] = 3
+    faces["corners"] = triangles
+    header = (
+        "ply\nformat binary_little_endian 1.0\n"
+        f"comment {comment}\ncomment made by tools/dev/make_data.py of volcaustic\n"
+        f"element vertex {len(positions)}\nproperty float x\nproperty float y\nproperty float z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    path.write_bytes(header.encode("ascii") + positions.tobytes() + faces.tobytes())
+    print(f"{path.name}: {len(positions)} vertices, {len(triangles)} triangles, volume {volume:.6f}")
+
+
+def require_closed(name, triangles):
+    """Every directed edge occurs once, and so does its reverse."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    size = int(triangles.max()) + 1
+    forward = edges[:, 0] * size + edges[:, 1]
+    backward = edges[:, 1] * size + edges[:, 0]
+    if len(np.unique(forward)) != len(forward) or not np.array_equal(np.sort(forward), np.sort(backward)):
+        raise ValueError(f"{name}: not closed and consistently wound")
+
+
+def icosphere(subdivisions):
+    """Unit sphere: an icosahedron with every triangle split in four, `subdivisions` times."""
+    golden = (1 + np.sqrt(5)) / 2
+    positions = [np.array(p) / np.hypot(1, golden) for s in (-1, 1) for t in (-golden, golden)
+                 for p in ((0, s, t), (s, t, 0), (t, 0, s))]
+    points = np.array(positions)
+    # Faces of the icosahedron: triples of mutually nearest vertices, wound outwards.
+    near = np.linalg.norm(points[:, None] - points[None], axis=2) < 2.1 / np.hypot(1, golden)
+    triangles = []
+    for a in range(12):
+        for b in range(a + 1, 12):
+            for c in range(b + 1, 12):
+                if near[a, b] and near[b, c] and near[a, c]:
+                    outwards = np.dot(np.cross(points[a], points[b]), points[c]) > 0
+                    triangles.append((a, b, c) if outwards else (a, c, b))
+    for _ in range(subdivisions):
+        middles = {}
+
+        def middle(a, b):
+            key = (min(a, b), max(a, b))
+            if key not in middles:
+                point = positions[a] + positions[b]
+                positions.append(point / np.linalg.norm(point))
+                middles[key] = len(positions) - 1
+            return middles[key]
+
+        split = []
+        for a, b, c in triangles:
+            ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
+            split += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+        triangles = split
+    return np.array(positions), np.array(triangles)
+
+
+def revolve(profile, segments):
+    """Closed surface of revolution about z. The profile is a list of (radius, z) from the lower pole (radius 0) around
+    the outside to the upper pole (radius 0); both poles become single vertices."""
+    profile = np.asarray(profile, dtype=np.float64)
+    rings = profile[1:-1]
+    angle = 2 * np.pi * np.arange(segments) / segments
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    positions = [[0, 0, profile[0, 1]], [0, 0, profile[-1, 1]]]
+    for radius, z in rings:
+        positions += [[radius * x, radius * y, z] for x, y in circle]
+    index = 2 + np.arange(len(rings) * segments).reshape(len(rings), segments)
+    triangles = []
+    for s in range(segments):
+        t = (s + 1) % segments
+        triangles.append((0, index[0, t], index[0, s]))
+        triangles.append((1, index[-1, s], index[-1, t]))
+        for r in range(len(rings) - 1):
+            a, b, c, d = index[r, s], index[r, t], index[r + 1, t], index[r + 1, s]
+            triangles += [(a, b, c), (a, c, d)]
+    return np.array(positions), np.array(triangles)
+
+
+def smooth_curve(knots, per_span):
+    """Points of a Catmull-Rom curve through the knots, ends included."""
+    knots = np.asarray(knots, dtype=np.float64)
+    padded = np.concatenate([[2 * knots[0] - knots[1]], knots, [2 * knots[-1] - knots[-2]]])
+    t = (np.arange(per_span) / per_span)[:, None]
+    points = []
+    for i in range(len(knots) - 1):
+        p0, p1, p2, p3 = padded[i:i + 4]
+        points.append(p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0))))
+    return np.concatenate(points + [knots[-1:]])
+
+
+# The goblet's bowl: outside and inside radius against height. The wall is 0.03 thick at the rim and swells to a lens of
+# 0.12 above the stem.
+BOWL_OUTSIDE = [(0.055, 0.78), (0.18, 0.84), (0.36, 0.98), (0.44, 1.20), (0.43, 1.45), (0.37, 1.72)]
+BOWL_INSIDE = [(0.34, 1.72), (0.40, 1.45), (0.41, 1.20), (0.32, 1.01), (0.16, 0.92), (0.05, 0.90)]
+
+
+def goblet(segments=144):
+    """Wine goblet 1.73 high: foot, stem, bowl with a wall, rounded rim."""
+    foot_and_stem = [(0.40, 0.0), (0.41, 0.02), (0.39, 0.04), (0.24, 0.07), (0.08, 0.14), (0.045, 0.30), (0.04, 0.50)]
+    outside = smooth_curve(foot_and_stem + BOWL_OUTSIDE, 5)
+    rim_angle = np.linspace(0, np.pi, 6)[1:-1]
+    rim = np.stack([0.355 + 0.015 * np.cos(rim_angle), 1.72 + 0.015 * np.sin(rim_angle)], axis=1)
+    inside = smooth_curve(BOWL_INSIDE, 6)
+    profile = np.concatenate([[(0, 0)], outside, rim, inside, [(0, 0.895)]])
+    return revolve(profile, segments)
+
+
+def wine(segments=144):
+    """What is in the goblet, filled to 1.30. It reaches a little into the wall, so that no gap of air is left: give the
+    glass the higher priority."""
+    inside = smooth_curve(BOWL_INSIDE, 6)[::-1]
+    into_wall = 0.012
+    below = inside[inside[:, 1] < 1.29] + [into_wall, 0]
+    below[:, 1] -= into_wall * (below[:, 1] < 1.0)
+    edge = below[-1, 0]
+    profile = np.concatenate([[(0, below[0, 1] - 0.005)], below, [(edge, 1.30), (0.6 * edge, 1.30), (0, 1.30)]])
+    return revolve(profile, segments)
+
+
+def torus_knot(along=820, around=32, p=2, q=3, tube=0.22):
+    """(p, q) torus knot as a tube, framed by the torus it winds on, about 1 in radius."""
+    t = 2 * np.pi * np.arange(along) / along
+
+    def curve(t):
+        radius = 0.75 + 0.3 * np.cos(q * t)
+        return np.stack([radius * np.cos(p * t), radius * np.sin(p * t), -0.3 * np.sin(q * t)], axis=1)
+
+    centre = curve(t)
+    tangent = curve(t + 1e-4) - curve(t - 1e-4)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    core = np.stack([0.75 * np.cos(p * t), 0.75 * np.sin(p * t), 0 * t], axis=1)
+    normal = centre - core
+    normal -= tangent * np.einsum("ij,ij->i", normal, tangent)[:, None]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    binormal = np.cross(tangent, normal)
+    u = 2 * np.pi * np.arange(around) / around
+    positions = (centre[:, None] + tube * (np.cos(u)[None, :, None] * normal[:, None]
+                                           + np.sin(u)[None, :, None] * binormal[:, None])).reshape(-1, 3)
+    index = np.arange(along * around).reshape(along, around)
+    a, b = index, np.roll(index, -1, axis=1)
+    d, c = np.roll(index, -1, axis=0), np.roll(np.roll(index, -1, axis=0), -1, axis=1)
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    return positions, triangles
+
+
+def gem_planes():
+    """Outward normals and distances of a round brilliant of radius 1: Tolkowsky's angles, girdle about z = 0."""
+    planes = []
+
+    def ring(count, first, elevation, radius, z):
+        """`count` facets, tilted `elevation` degrees from level, that pass through (radius, z) in their own azimuth."""
+        slope = np.radians(abs(elevation))
+        side = np.sign(elevation)
+        for k in range(count):
+            azimuth = 2 * np.pi * (k + first) / count
+            normal = np.array([np.sin(slope) * np.cos(azimuth), np.sin(slope) * np.sin(azimuth), side * np.cos(slope)])
+            planes.append((normal, np.sin(slope) * radius + side * np.cos(slope) * z))
+
+    half_girdle = 0.02
+    table_radius = 0.53
+    table = half_girdle + (1 - table_radius) * np.tan(np.radians(34.5))
+    planes.append((np.array([0.0, 0, 1]), table))
+    ring(8, 0, 34.5, 1, half_girdle)                                # crown mains
+    ring(8, 0.5, 21, table_radius * np.cos(np.pi / 8), table)       # stars
+    ring(16, 0.5, 41, np.cos(np.pi / 16), half_girdle + 0.012)      # upper girdle facets
+    ring(32, 0.5, 90, np.cos(np.pi / 32), 0)                        # girdle
+    ring(16, 0.5, -42.2, np.cos(np.pi / 16), -half_girdle - 0.006)  # lower girdle facets
+    ring(8, 0, -40.75, 1, -half_girdle)                             # pavilion mains, down to the culet
+    return planes
+
+
+def convex_solid(planes):
+    """Vertices and outward triangles of the intersection of half-spaces normal.x <= distance."""
+    normals = np.array([n for n, _ in planes])
+    distances = np.array([d for _, d in planes])
+    triple = np.array([(a, b, c) for a in range(len(planes)) for b in range(a) for c in range(b)])
+    matrix = normals[triple]
+    solvable = np.abs(np.linalg.det(matrix)) > 1e-9
+    points = np.linalg.solve(matrix[solvable], distances[triple[solvable]][..., None])[..., 0]
+    points = points[np.all(points @ normals.T <= distances + 1e-9, axis=1)]
+    vertices = np.unique(np.round(points, 7), axis=0)
+
+    triangles = []
+    for normal, distance in planes:
+        on = np.flatnonzero(np.abs(vertices @ normal - distance) < 1e-6)
+        if len(on) < 3:
+            continue
+        centre = vertices[on].mean(axis=0)
+        x = np.cross(normal, [0.0, 0, 1] if abs(normal[2]) < 0.9 else [1.0, 0, 0])
+        y = np.cross(normal, x)
+        angle = np.arctan2((vertices[on] - centre) @ y, (vertices[on] - centre) @ x)
+        corners = on[np.argsort(angle)]
+        triangles += [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
+    return vertices, np.array(triangles)
+
+
+def main():
+    root = pathlib.Path(__file__).resolve().parents[2]
+    folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else root / "data" / "meshes"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_ply(folder / "glass_ball.ply", *icosphere(5), "unit sphere, icosphere of five subdivisions")
+    write_ply(folder / "goblet.ply", *goblet(), "wine goblet with wall, stem and foot")
+    write_ply(folder / "wine.ply", *wine(), "wine for goblet.ply, reaching a little into its wall")
+    write_ply(folder / "torus_knot.ply", *torus_knot(), "(2,3) torus knot, tube radius 0.22")
+    write_ply(folder / "gem.ply", *convex_solid(gem_planes()), "round brilliant, radius 1")
+
+
+if __name__ == "__main__":
+    main()
