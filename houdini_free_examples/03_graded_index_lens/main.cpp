@@ -56,11 +56,12 @@ int run(int resolution) {
   const vc::PhotonResult photons = vc::tracePhotons(lens, lights, {}, options);
   vc::writeVdb("luneburg.vdb", photons.radiance, lens);
 
-  const vc::Camera camera{.position = {0, -7, 0.5},
+  const vc::Camera camera{.position = {0, -7, -0.15},
                           .target = {0, 0, -0.15},
-                          .fieldOfView = 28,
+                          .fieldOfView = 17.2,
                           .resolution = {4 * resolution, 4 * resolution}};
-  const vc::ViewResult view = vc::renderView(lens, photons.radiance, camera);
+  const vc::Background night{.bottom = {0.001, 0.0015, 0.003}, .top = {0.004, 0.006, 0.012}};
+  const vc::ViewResult view = vc::renderView(lens, photons.radiance, camera, night);
   vc::writeImage("luneburg.exr", view.image);
   vc::writeImage("luneburg.png", view.image);
 

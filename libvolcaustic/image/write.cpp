@@ -37,8 +37,7 @@ void requireSound(const std::filesystem::path& path, const Image& image) {
     throw Error(ErrorKind::Usage, path.string() + ": the image has no pixels, or channels of different sizes");
 }
 
-/// Interleaved R G B, and A where both the image and the format have it.
-std::vector<float> interleaved(const Image& image, const std::vector<int>& channels) {
+std::vector<float> interleaved(const Image& image, const std::array<int, 3>& channels) {
   const std::size_t pixels = image.planes.front().size();
   std::vector<float> result(pixels * channels.size());
   for (std::size_t c = 0; c < channels.size(); ++c)
@@ -46,16 +45,11 @@ std::vector<float> interleaved(const Image& image, const std::vector<int>& chann
   return result;
 }
 
-/// Exposure, then straight alpha (what integer formats mean by alpha), then the sRGB curve, clamped to 0..1.
-void encodeForDisplay(std::vector<float>& pixels, std::size_t channels, double exposure) {
+/// Exposure, then the sRGB curve, clamped to 0..1.
+void encodeForDisplay(std::vector<float>& pixels, double exposure) {
   const auto gain = static_cast<float>(std::exp2(exposure));
   const auto clamped = [](float v) { return v > 0 ? std::min(v, 1.0F) : 0.0F; }; // NaN becomes 0
-  for (std::size_t i = 0; i < pixels.size(); i += channels) {
-    const float alpha = channels == 4 ? clamped(pixels[i + 3]) : 1;
-    const float scale = alpha > 0 ? gain / alpha : gain;
-    for (std::size_t c = 0; c < 3; ++c) pixels[i + c] = clamped(srgbFromLinear(clamped(pixels[i + c] * scale)));
-    if (channels == 4) pixels[i + 3] = alpha;
-  }
+  for (float& v : pixels) v = clamped(srgbFromLinear(clamped(v * gain)));
 }
 
 void writeThroughOiio(const std::filesystem::path& path, const std::filesystem::path& temporary, const Image& image,
@@ -66,22 +60,21 @@ void writeThroughOiio(const std::filesystem::path& path, const std::filesystem::
     throw Error(ErrorKind::Usage,
                 path.string() + ": no image format of this extension can be written; use .exr or .png");
   }
-  std::vector<int> channels{image.find("R"), image.find("G"), image.find("B")};
+  // No alpha: the picture's background is part of R, G and B already.
+  const std::array channels{image.find("R"), image.find("G"), image.find("B")};
   if (std::find(channels.begin(), channels.end(), -1) != channels.end())
     throw Error(ErrorKind::Usage, path.string() + ": the image has no channels R, G and B; write an .exr");
-  if (image.find("A") >= 0 && output->supports("alpha")) channels.push_back(image.find("A"));
 
   const bool wantFloat = prefersFloat(extensionOf(path));
   ImageSpec spec(image.width, image.height, static_cast<int>(channels.size()),
                  wantFloat ? TypeDesc::FLOAT : TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", wantFloat ? "Linear" : "sRGB");
-  if (!wantFloat) spec.attribute("oiio:UnassociatedAlpha", 1);
   for (const auto& [key, value] : image.metadata) spec.attribute(key, value);
   output->threads(1);
   bool good = output->open(temporary.string(), spec);
   if (good) {
     std::vector<float> pixels = interleaved(image, channels);
-    if (!output->spec().format.is_floating_point()) encodeForDisplay(pixels, channels.size(), options.exposure);
+    if (!output->spec().format.is_floating_point()) encodeForDisplay(pixels, options.exposure);
     good = output->write_image(TypeDesc::FLOAT, pixels.data()) && output->close();
   }
   if (!good) throw Error(ErrorKind::File, path.string() + ": cannot be written: " + output->geterror());

@@ -28,6 +28,7 @@ struct EmissionFrame {
   double u0 = 0, v0 = 0, du = 0, dv = 0; ///< low corner and size of a cell
   std::int32_t columns = 0, rows = 0;
   bool point = false;
+  bool cubeFace = false; ///< one of six around a point light; axisW is then a coordinate axis
   bool jitter = false;
   std::uint64_t seed = 0;
   double depth0 = 0;  ///< distance from the origin to the box; stored distances are relative to it

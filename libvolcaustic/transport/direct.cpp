@@ -154,20 +154,19 @@ private:
             cell((v0 - mFrame.v0) / mFrame.dv, mFrame.rows), cell((v1 - mFrame.v0) / mFrame.dv + 1, mFrame.rows)};
   }
 
-  /// Only cubes around point lights have rasters that end inside the box.
-  [[nodiscard]] bool frameEdgeCuts(const Int3& low, int size) const { return mFrame.point && !centresInside(low, size); }
-  [[nodiscard]] bool centresInside(const Int3& low, int size) const {
+  /// Whether a cube of voxels reaches into another face of the cube around the light.
+  [[nodiscard]] bool frameEdgeCuts(const Int3& low, int size) const {
+    if (!mFrame.cubeFace) return false;
     for (int i = 0; i < 8; ++i)
-      if (!ownsPoint(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)))) return false;
-    return true;
+      if (!owns(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)))) return true;
+    return false;
   }
 
-  [[nodiscard]] bool ownsPoint(const Double3& p) const {
-    const Double3 r = p - mFrame.origin;
-    const double w = dot(r, mFrame.axisW);
-    if (w <= 0) return false;
-    const double u = (dot(r, mFrame.axisU) / w - mFrame.u0) / mFrame.du, v = (dot(r, mFrame.axisV) / w - mFrame.v0) / mFrame.dv;
-    return u >= 0 && v >= 0 && u < mFrame.columns && v < mFrame.rows;
+  /// Whether this face sees the point: the one along the largest coordinate, the first of equals.
+  [[nodiscard]] bool owns(const Double3& p) const {
+    const Double3 r = p - mFrame.origin, size{std::abs(r.x), std::abs(r.y), std::abs(r.z)};
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    return r[axis] * mFrame.axisW[axis] > 0;
   }
 
   [[nodiscard]] double centreLit(const Int3& v) const {
@@ -185,8 +184,14 @@ private:
   }
 
 public:
-  /// Whether the voxel's centre belongs to this raster: the faces of a cube around a light share the box without overlap.
-  [[nodiscard]] bool owns(const Int3& v) const { return !mFrame.point || ownsPoint(Double3(v) + Double3(0.5)); }
+  /// The part of a voxel that this raster sees, in sixty-fourths; over the faces of a cube around a light they add up to one.
+  [[nodiscard]] double share(const Int3& v) const {
+    if (!frameEdgeCuts(v, 1)) return 1;
+    int seen = 0;
+    for (int i = 0; i < 64; ++i)
+      seen += owns(Double3(v) + Double3((i & 3) + 0.5, (i >> 2 & 3) + 0.5, (i >> 4) + 0.5) * 0.25);
+    return seen / 64.0;
+  }
 
 private:
   const FlatMediumStorage& mFlat;
@@ -242,8 +247,9 @@ void addDirectLight(DirectLight& direct, const FlatMediumStorage& flat, const Do
       const Int3 low = lowOf(b);
       for (int k = 0; k < kBrickVoxels; ++k) {
         const Int3 v{low.x + (k >> 6), low.y + ((k >> 3) & 7), low.z + (k & 7)};
-        if (!evaluator.owns(v)) continue;
-        const double lit = covers[b] == Cover::Lit ? 1.0 : evaluator.litFraction(v);
+        const double share = evaluator.share(v);
+        if (share == 0) continue;
+        const double lit = covers[b] == Cover::Lit ? 1.0 : share * evaluator.litFraction(v);
         if (lit == 0) continue;
         Double3 d;
         const Double3 f = evaluator.fluence(v, d) * lit;

@@ -126,6 +126,7 @@ std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Dom
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       EmissionFrame f = pointFrame(position, {axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0}, light);
+      f.cubeFace = true;
       setRaster(f, {-1, 1, -1, 1}, std::max(1, int(std::ceil(options.grid[0] * share))),
                 std::max(1, int(std::ceil(options.grid[1] * share))));
       frames.push_back(f);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace volcaustic {
 
@@ -26,6 +27,31 @@ double length(const Vec3d& a) { return std::sqrt(dot(a, a)); }
 
 void extend(Vec3d& low, Vec3d& high, const Vec3d& p) {
   for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+}
+
+double distanceToBox(const Vec3d& p, const Vec3d& low, const Vec3d& high) {
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double d = std::max({low[i] - p[i], 0.0, p[i] - high[i]});
+    squared += d * d;
+  }
+  return std::sqrt(squared);
+}
+
+double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d ab = b - a, ap = p - a;
+  const double squared = dot(ab, ab);
+  const double t = squared > 0 ? std::clamp(dot(ap, ab) / squared, 0.0, 1.0) : 0.0;
+  return length(ap - t * ab);
+}
+
+double distanceToTriangle(const Vec3d& p, const std::array<Vec3d, 3>& t) {
+  const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
+  bool above = dot(normal, normal) > 0; // p projects into the triangle
+  for (int i = 0; i < 3 && above; ++i) above = dot(cross(t[(i + 1) % 3] - t[i], p - t[i]), normal) >= 0;
+  if (above) return std::abs(dot(p - t[0], normal)) / length(normal);
+  return std::min(
+      {distanceToSegment(p, t[0], t[1]), distanceToSegment(p, t[1], t[2]), distanceToSegment(p, t[2], t[0])});
 }
 
 template <int N>
@@ -110,17 +136,50 @@ CapWinding::CapWinding(std::vector<std::array<Vec3d, 3>> caps, std::vector<std::
   }
 }
 
-double CapWinding::solidAngleOf(std::uint32_t node, const Vec3d& p) const {
+/// Solid angles of triangles, added without an arc tangent for each: half of one is the argument of a complex number
+/// (Van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30(2), 1983), so that
+/// the sum is the argument of their product, when the turns past the negative real axis are counted.
+class CapWinding::AngleSum {
+public:
+  void add(const std::array<Vec3d, 3>& t, const Vec3d& p) {
+    const Vec3d a = t[0] - p, b = t[1] - p, c = t[2] - p;
+    const double la = length(a), lb = length(b), lc = length(c);
+    const double sine = dot(a, cross(b, c));
+    const double cosine = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    const double size = std::abs(sine) + std::abs(cosine);
+    if (size == 0) return; // p is a corner
+    const double re = (mRe * cosine - mIm * sine) / size, im = (mRe * sine + mIm * cosine) / size;
+    if (mIm >= 0 && sine >= 0 && im < 0) ++mTurns;
+    if (mIm < 0 && sine < 0 && im >= 0) --mTurns;
+    mRe = re;
+    mIm = im;
+  }
+  void addDipole(double solidAngle) { mDipoles += solidAngle; }
+  [[nodiscard]] double total() const { return mDipoles + 2 * (std::atan2(mIm, mRe) + 2 * std::numbers::pi * mTurns); }
+
+private:
+  double mRe = 1, mIm = 0, mDipoles = 0;
+  int mTurns = 0;
+};
+
+double CapWinding::at(const Vec3d& p) const {
+  AngleSum sum;
+  addSolidAngle(0, p, sum);
+  return sum.total() / kWholeSphere;
+}
+
+void CapWinding::addSolidAngle(std::uint32_t node, const Vec3d& p, AngleSum& sum) const {
   const Dipole& dipole = mDipoles[node];
   const Vec3d d = dipole.centroid - p;
   const double squared = dot(d, d);
   if (const double near = kDipoleDistance * dipole.radius; squared > near * near)
-    return dot(dipole.areaVector, d) / (squared * std::sqrt(squared));
+    return sum.addDipole(dot(dipole.areaVector, d) / (squared * std::sqrt(squared)));
   const auto& [low, high, first, count, right] = mCaps.nodes[node];
-  if (right) return solidAngleOf(node + 1, p) + solidAngleOf(right, p);
-  double angle = 0;
-  for (std::uint32_t i = first; i < first + count; ++i) angle += solidAngle(mCaps.items[i], p);
-  return angle;
+  if (right) {
+    addSolidAngle(node + 1, p, sum);
+    return addSolidAngle(right, p, sum);
+  }
+  for (std::uint32_t i = first; i < first + count; ++i) sum.add(mCaps.items[i], p);
 }
 
 bool CapWinding::touches(std::uint32_t node, const Vec3d& centre, double radius) const {
@@ -185,9 +244,14 @@ CapOffsets::CapOffsets(const LoopCaps& caps, const SubLattice& lattice, const Ru
 /// Of a cube of n^3 samples, where it is one number.
 std::optional<std::int16_t> CapOffsets::ofCube(const Vec3i& first, int n) const {
   Vec3d centre{first[0] + 0.5 * n, first[1] + 0.5 * n, first[2] + 0.5 * n};
-  // A sample on a cap lies on the side where the rows put it: see coverage_rows.h; in z, the crossing is before it.
-  if (n == 1) centre = {centre[0] + 0x1p-24, centre[1] + 0x1p-32, centre[2] + 0x1p-18};
-  const std::optional<int> whole = mWinding.nearestWhole(centre, 0.5 * (n - 1) * std::numbers::sqrt3);
+  double radius = 0.5 * n * std::numbers::sqrt3; // samples are inside their sub-voxels
+  if (n == 1) {
+    // A sample on a cap lies on the side where the rows put it: see coverage_rows.h; in z, the crossing is before it.
+    const Vec3d sample = mLattice.sample(first[0], first[1], first[2]);
+    centre = {sample[0] + 0x1p-24, sample[1] + 0x1p-32, sample[2] + 0x1p-18};
+    radius = 0;
+  }
+  const std::optional<int> whole = mWinding.nearestWhole(centre, radius);
   if (!whole) return std::nullopt;
   constexpr int kMax = std::numeric_limits<std::int16_t>::max();
   return static_cast<std::int16_t>(std::clamp(-*whole, -kMax, kMax));

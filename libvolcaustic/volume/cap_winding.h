@@ -41,7 +41,7 @@ public:
   /// Neither is empty; `edges` bound the caps as a whole.
   CapWinding(std::vector<std::array<Vec3d, 3>> caps, std::vector<std::array<Vec3d, 2>> edges);
 
-  [[nodiscard]] double at(const Vec3d& p) const { return solidAngleOf(0, p) / kWholeSphere; }
+  [[nodiscard]] double at(const Vec3d& p) const;
   /// The whole number nearest to at(x) for all x within `radius` of the centre, where one can be guaranteed.
   [[nodiscard]] std::optional<int> nearestWhole(const Vec3d& centre, double radius) const;
 
@@ -52,7 +52,8 @@ private:
     double radius; // of the triangles about the centroid
   };
 
-  double solidAngleOf(std::uint32_t node, const Vec3d& p) const;
+  class AngleSum;
+  void addSolidAngle(std::uint32_t node, const Vec3d& p, AngleSum& sum) const;
   bool touches(std::uint32_t node, const Vec3d& centre, double radius) const;
   double variation(std::uint32_t node, const Vec3d& centre, double radius, double limit) const;
 

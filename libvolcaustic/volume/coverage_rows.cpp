@@ -10,14 +10,16 @@ namespace {
 using Wide = __int128;                                        // for triangles longer than 2^14 sub-voxels
 constexpr std::int64_t kNarrowExtent = std::int64_t{1} << 30; // edge functions of shorter ones fit 64 bits
 
-constexpr std::int64_t sampleCentre(int sample) { return sample * kFixedOne + kFixedHalf; }
+/// Where the row that is the `phase`-th of its voxel along one axis is sampled along another: (phase + 1/2)/2^log2 of a
+/// sub-voxel.
+constexpr std::int64_t stagger(int phase, int log2) { return ((2 * phase + 1) << (kFixedBits - 1)) >> log2; }
 
 /// Twice the area of (a, b, sample), stepping from row to row. `value` is one less where a sample on the edge is
 /// outside, so that inside is value >= 0 for both kinds.
 template <class Int>
 struct EdgeFunction {
-  EdgeFunction(const FixedPoint& a, const FixedPoint& b, std::int64_t x, std::int64_t y) {
-    const Int dx = b.x - a.x, dy = b.y - a.y;
+  EdgeFunction(const FixedPoint& a, const FixedPoint& b, std::int64_t x, std::int64_t y)
+      : dx(b.x - a.x), dy(b.y - a.y) {
     // The sample stands for (x + eps, y + eps^2): on the edge, the function's sign is that of -dy eps + dx eps^2.
     bias = dy < 0 || (dy == 0 && dx > 0) ? 0 : 1;
     value = dx * Int(y - a.y) - dy * Int(x - a.x) - bias;
@@ -26,7 +28,7 @@ struct EdgeFunction {
   }
   [[nodiscard]] double exact(Int v) const { return double(v + bias); }
 
-  Int value, stepX, stepY, bias;
+  Int dx, dy, value, stepX, stepY, bias;
 };
 
 template <class Int>
@@ -45,20 +47,19 @@ bool mayMeetAs(FixedTriangle t, const RowRect& rect) {
   const Int area = twiceArea<Int>(t);
   if (area == 0) return false;
   if (area < 0) std::swap(t[1], t[2]);
-  const std::int64_t x = sampleCentre(rect.x0), y = sampleCentre(rect.y0);
   for (int i = 0; i < 3; ++i) {
-    const EdgeFunction<Int> edge(t[i], t[(i + 1) % 3], x, y);
-    const Int best = edge.value + std::max<Int>(0, edge.stepX * (rect.x1 - rect.x0)) +
-                     std::max<Int>(0, edge.stepY * (rect.y1 - rect.y0));
+    const EdgeFunction<Int> edge(t[i], t[(i + 1) % 3], rect.x0 * kFixedOne, rect.y0 * kFixedOne);
+    const Int best = edge.value + std::max<Int>(0, edge.stepX * (rect.x1 - rect.x0 + 1)) +
+                     std::max<Int>(0, edge.stepY * (rect.y1 - rect.y0 + 1));
     if (best < 0) return false;
   }
   return true;
 }
 
-/// First sample whose centre is at or after z (a fixed-point coordinate), clamped to [0, samples].
-int firstSampleFrom(double z, int samples) {
-  const double position =
-      std::min(std::max((z - double(kFixedHalf)) * (1.0 / double(kFixedOne)), 0.0), double(samples));
+/// First of a row's samples, the k-th of which lies at k + offset sub-voxels, that is at or after z (both fixed-point),
+/// clamped to [0, samples].
+int firstSampleFrom(double z, std::int64_t offset, int samples) {
+  const double position = std::min(std::max((z - double(offset)) * (1.0 / double(kFixedOne)), 0.0), double(samples));
   const int whole = static_cast<int>(position);
   return whole + (position > whole);
 }
@@ -67,6 +68,19 @@ struct ColumnFrame {
   int x0, y0;    // first row
   int brickLog2; // of samples along a brick's edge
   int samples;   // along a row
+  [[nodiscard]] int log2() const { return brickLog2 - kBrickLog2; }
+};
+
+/// What staggered rows add to an edge function: for each phase, the row's offset along x and along y.
+template <class Int>
+struct Staggered {
+  Staggered(const EdgeFunction<Int>& edge, int log2) {
+    for (int phase = 0; phase < 1 << log2; ++phase) {
+      alongX[phase] = -edge.dy * Int(stagger(phase, log2));
+      alongY[phase] = edge.dx * Int(stagger(phase, log2));
+    }
+  }
+  std::array<Int, 8> alongX, alongY;
 };
 
 template <class Int>
@@ -80,20 +94,25 @@ void rasterise(FixedTriangle t, const RowRect& rect, const ColumnFrame& column, 
     area = -area;
   }
   const auto& [a, b, c] = t;
-  const std::int64_t x = sampleCentre(rect.x0), y = sampleCentre(rect.y0);
+  const std::int64_t x = rect.x0 * kFixedOne, y = rect.y0 * kFixedOne;
   EdgeFunction<Int> ofA(b, c, x, y), ofB(c, a, x, y), ofC(a, b, x, y);
+  const int log2 = column.log2(), mask = (1 << log2) - 1;
+  const Staggered<Int> shiftA(ofA, log2), shiftB(ofB, log2), shiftC(ofC, log2);
   const double zA = double(a.z), dzB = double(b.z - a.z), dzC = double(c.z - a.z), twice = double(area);
 
   for (int i = rect.x0; i <= rect.x1; ++i) {
-    Int vA = ofA.value, vB = ofB.value, vC = ofC.value;
+    const int p = i & mask;
+    Int rowA = ofA.value + shiftA.alongY[p], rowB = ofB.value + shiftB.alongY[p], rowC = ofC.value + shiftC.alongY[p];
     for (int j = rect.y0; j <= rect.y1; ++j) {
+      const int q = j & mask;
+      const Int vA = rowA + shiftA.alongX[q], vB = rowB + shiftB.alongX[q], vC = rowC + shiftC.alongX[q];
       if ((vA | vB | vC) >= 0) {
         const double z = zA + (ofB.exact(vB) * dzB + ofC.exact(vC) * dzC) / twice;
-        if (const int k = firstSampleFrom(z, column.samples); k < column.samples)
+        if (const int k = firstSampleFrom(z, stagger(p << log2 | q, 2 * log2), column.samples); k < column.samples)
           crossings.push_back(
               packCrossing(k, column.brickLog2, ((i - column.x0) << column.brickLog2) + (j - column.y0), rises));
       }
-      vA += ofA.stepY, vB += ofB.stepY, vC += ofC.stepY;
+      rowA += ofA.stepY, rowB += ofB.stepY, rowC += ofC.stepY;
     }
     ofA.value += ofA.stepX, ofB.value += ofB.stepX, ofC.value += ofC.stepX;
   }
@@ -156,14 +175,13 @@ FixedPoint SubLattice::snap(const Vec3d& pWorld) const {
 RowRect rowsMet(const FixedTriangle& t, const SubLattice& lattice) {
   const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
   const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-  if (std::min({t[0].z, t[1].z, t[2].z}) > sampleCentre(lattice.size[2] - 1)) return {0, 0, -1, -1};
-  const auto first = [](std::int64_t low) { // sample whose centre is at or after it
-    return static_cast<int>(std::clamp<std::int64_t>((low + kFixedHalf - 1) >> kFixedBits, 0, 1 << 30));
+  if (std::min({t[0].z, t[1].z, t[2].z}) > lattice.size[2] * kFixedOne) return {0, 0, -1, -1};
+  const auto row = [](std::int64_t at, int samples) {
+    return static_cast<int>(std::clamp<std::int64_t>(at >> kFixedBits, -1, samples));
   };
-  const auto last = [](std::int64_t high, int samples) {
-    return static_cast<int>(std::clamp<std::int64_t>((high - kFixedHalf) >> kFixedBits, -1, samples - 1));
-  };
-  return {first(x0), first(y0), last(x1, lattice.size[0]), last(y1, lattice.size[1])};
+  return {std::max(row(x0, lattice.size[0]), 0), std::max(row(y0, lattice.size[1]), 0),
+          std::min(row(x1, lattice.size[0]), lattice.size[0] - 1),
+          std::min(row(y1, lattice.size[1]), lattice.size[1] - 1)};
 }
 
 bool mayMeet(const FixedTriangle& triangle, const RowRect& rect) {

@@ -1,11 +1,12 @@
 #include "volume/optics.h"
 
 #include "core/parallel.h"
-#include "volume/brick_collector.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
+#include <vector>
 
 namespace volcaustic {
 
@@ -121,10 +122,25 @@ public:
       , mX(kBrickSize * kSide * kSide)
       , mY(kBrickSize * kBrickSize * kSide) {}
 
-  /// The blurred voxels of a brick; false when nothing in reach differs.
-  bool run(const Vec3i& brick, std::span<float, kBrickVoxels> out) {
+  /// True when the blurred voxels of a brick differ. What is in reach of a constant brick may be too little to show.
+  bool varies(const Vec3i& brick) {
     gather(brick);
     if (uniform(std::span<const float>(mIn))) return false;
+    if (!mGrid.isConstant(mGrid.brickIndex(brick))) return true;
+    std::array<float, kBrickVoxels> out;
+    blurGathered(out);
+    return !uniform(std::span<const float>(out));
+  }
+
+  void run(const Vec3i& brick, std::span<float> out) {
+    gather(brick);
+    blurGathered(out);
+  }
+
+private:
+  static constexpr int kSide = kBrickSize + 2 * Radius;
+
+  void blurGathered(std::span<float> out) {
     constexpr int kPlane = kSide * kSide;
     for (int x = 0; x < kBrickSize; ++x)
       blurLine<Radius, kPlane>(&mIn[(x + Radius) * kPlane], kPlane, mWeights, &mX[x * kPlane]);
@@ -134,11 +150,7 @@ public:
                                 &mY[(x * kBrickSize + y) * kSide]);
     for (int row = 0; row < kBrickSize * kBrickSize; ++row)
       blurLine<Radius, kBrickSize>(&mY[row * kSide + Radius], 1, mWeights, &out[row * kBrickSize]);
-    return true;
   }
-
-private:
-  static constexpr int kSide = kBrickSize + 2 * Radius;
 
   void gather(const Vec3i& brick) {
     const Vec3i& dims = mGrid.dims();
@@ -194,26 +206,33 @@ std::vector<std::int64_t> bricksInReach(const BrickGrid<float>& grid, const RunC
 
 template <int Radius>
 BrickGrid<float> blurBy(const BrickGrid<float>& grid, const RunContext& ctx) {
-  const std::vector<std::int64_t> bricks = bricksInReach(grid, ctx);
+  std::vector<std::int64_t> bricks = bricksInReach(grid, ctx);
+  const auto forEachBrick = [&](std::string_view stage, auto&& visit) {
+    parallelFor(
+        static_cast<std::int64_t>(bricks.size()), 32, ctx,
+        [&](std::int64_t begin, std::int64_t end, int) {
+          BrickBlur<Radius> blur(grid);
+          for (std::int64_t i = begin; i < end; ++i) visit(blur, i);
+        },
+        stage);
+  };
+  std::vector<std::uint8_t> varies(bricks.size());
+  forEachBrick({},
+               [&](BrickBlur<Radius>& blur, std::int64_t i) { varies[i] = blur.varies(grid.brickCoord(bricks[i])); });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < bricks.size(); ++i)
+    if (varies[i]) bricks[kept++] = bricks[i];
+  bricks.resize(kept);
+
   BrickGrid<float> result(grid.dims(), grid.background());
   for (std::int64_t b = 0; b < grid.brickCount(); ++b)
     if (grid.isConstant(b)) result.setConstant(b, grid.constant(b));
-  BrickCollector<float> blurred(ctx);
-  parallelFor(
-      static_cast<std::int64_t>(bricks.size()), 32, ctx,
-      [&](std::int64_t begin, std::int64_t end, int slot) {
-        BrickBlur<Radius> blur(grid);
-        std::array<float, kBrickVoxels> out;
-        for (std::int64_t i = begin; i < end; ++i) {
-          if (!blur.run(grid.brickCoord(bricks[i]), out)) continue;
-          if (uniform(std::span<const float>(out)))
-            result.setConstant(bricks[i], out[0]);
-          else
-            std::copy(out.begin(), out.end(), blurred.add(slot, bricks[i]).begin());
-        }
-      },
-      "blur");
-  blurred.moveInto(result, "smoothing the index", ctx);
+  ctx.requireMemory(grid.memoryBytes() + result.memoryBytes() + kept * kBrickVoxels * sizeof(float),
+                    "smoothing the index");
+  result.activate(bricks);
+  forEachBrick("blur", [&](BrickBlur<Radius>& blur, std::int64_t i) {
+    blur.run(grid.brickCoord(bricks[i]), result.voxels(bricks[i]));
+  });
   return result;
 }
 

@@ -294,6 +294,16 @@ void requireReach(const Body& body, const Box& box, const Domain& domain, int su
                                         "its units, or take larger voxels");
 }
 
+/// Faces that come twice, once for each side, enclose nothing; nor does a body between the samples show.
+void warnIfEmpty(const CoveragePatch& patch, const Body& body, const RunContext& ctx) {
+  const BrickGrid<float>& coverage = patch.coverage;
+  for (std::int64_t b = 0; b < coverage.brickCount(); ++b)
+    if (!coverage.isConstant(b) || coverage.constant(b) != 0.0f) return;
+  ctx.warn(placeOf(body) +
+           ": no sample of the domain is inside the mesh; it is thinner than a sub-voxel, lies outside, or "
+           "its faces cancel (each present once for each side)");
+}
+
 } // namespace
 
 CoveragePatch voxeliseBody(const Body& body, const Domain& domain, int supersample, FillRule fill,
@@ -332,6 +342,7 @@ CoveragePatch voxeliseBody(const Body& body, const Domain& domain, int supersamp
       },
       "voxelise");
   mixed.moveInto(patch.coverage, what, ctx);
+  warnIfEmpty(patch, body, ctx);
   return patch;
 }
 

@@ -91,20 +91,29 @@ class Render(ProgramCase):
         self.scene = self.write_small_scene()
 
     def test_trace_then_info_then_render(self):
-        self.succeed("trace", self.scene, "-o", self.path("o.vdb"))
+        self.succeed("trace", self.scene, "-o", self.path("o.vdb"), "--parts")
         grids = {g["name"]: g for g in self.report("info", self.path("o.vdb"))["files"][0]["grids"]}
-        self.assertLessEqual({"radiance", "direction", "emission", "density"}, set(grids))
+        self.assertLessEqual({"radiance", "direction", "emission", "density", "caustic", "direct"}, set(grids))
         self.assertGreater(grids["radiance"]["maximum"], 0)
         self.succeed("render", self.scene, "--radiance", self.path("o.vdb"), "-o", self.path("read.exr"), "--float")
         report = self.report("render", self.scene, "-o", self.path("whole.exr"), "-o", self.path("whole.png"), "--float")
         self.assertEqual(report["outputs"], [self.path("whole.exr"), self.path("whole.png")])
         self.assertGreater(report["counts"]["viewSteps"], 0)
-        # The radiance went through 32-bit grids of L = fluence / 4 pi once.
-        self.succeed("compare", self.path("read.exr"), self.path("whole.exr"), "--threshold", "1e-5")
+        # The light went through 32-bit grids of L = fluence / 4 pi once.
+        self.succeed("compare", self.path("read.exr"), self.path("whole.exr"), "--threshold", "1e-7")
         image = self.report("info", self.path("whole.exr"))["files"][0]
         self.assertEqual((image["width"], image["height"]), (32, 24))
         self.assertLessEqual({"R", "G", "B", "A", "caustic.R", "direct.G", "transmittance.B", "depth.Z", "steps.Y"},
                              {c["name"] for c in image["channels"]})
+
+    def test_light_without_its_parts_gives_the_same_picture(self):
+        self.succeed("trace", self.scene, "-o", self.path("o.vdb"))
+        self.succeed("render", self.scene, "--radiance", self.path("o.vdb"), "-o", self.path("read.exr"), "--float")
+        self.succeed("render", self.scene, "-o", self.path("whole.exr"), "--float")
+        done = self.call("compare", self.path("read.exr"), self.path("whole.exr"), "--json")
+        beauty = [d["maximum"] for d in json.loads(done.stdout)["differences"] if d["name"] in "RGBA"]
+        self.assertEqual(len(beauty), 4)
+        self.assertLess(max(beauty), 1e-7)
 
     def test_standard_input(self):
         with open(self.scene) as text:

@@ -28,8 +28,8 @@ Light sun(const Vec3d& direction, const Rgb& irradiance = {1, 1, 1}) {
 }
 
 PhotonResult trace(const std::vector<Body>& bodies, const Ambient& ambient, int resolution, const Light& light,
-                   PhotonOptions options = {}, const RunContext& ctx = {}) {
-  options.grid = {512, 512};
+                   PhotonOptions options = {}, const RunContext& ctx = {}, int photonsPerSide = 512) {
+  options.grid = {photonsPerSide, photonsPerSide};
   options.smooth = false;
   return tracePhotons(buildMedium(bodies, ambient, unitCube(resolution), {}, ctx), std::span(&light, 1), {}, options, ctx);
 }
@@ -68,14 +68,14 @@ TEST(DirectLight, IsWithinOnePercentBesideAndBeforeABall) {
       along += r[a] * d[a] / length;
       square += r[a] * r[a];
     }
-    // The ball's smoothed skin, with all that a lookup there can see, reaches ten voxels beyond its radius.
-    const double across = std::sqrt(square - along * along), reach = .2 + 10.0 / 64;
+    // The ball's smoothed skin, with all that a lookup there can see, reaches up to fourteen voxels beyond its radius.
+    const double across = std::sqrt(square - along * along), reach = .2 + 14.0 / 64;
     const bool beside = across > reach, before = along < 0 && square > reach * reach;
     if (!beside && !before) return;
     ++lit;
     ASSERT_NEAR(result.radiance.directFluence(v)[0], 1, .01) << v[0] << ' ' << v[1] << ' ' << v[2];
   });
-  EXPECT_GT(lit, 64 * 64 * 10);
+  EXPECT_GT(lit, 64 * 64 * 5);
 }
 
 // A body that only hints at being there is traced, not evaluated: both parts together must not show it.
@@ -178,8 +178,9 @@ TEST(PointLight, TracedAndDirectLightCoverEachVoxelOnce) {
     Light lamp;
     lamp.type = LightType::Point;
     lamp.position = position;
-    const auto result = trace({ghost}, {}, 32, lamp);
-    EXPECT_GT(result.balance.photonsTraced, 1000);
+    // A raster along the voxels' own axes holds 32 rays in the width of a voxel, or one more or less: three percent.
+    const auto result = trace({ghost}, {}, 32, lamp, {}, {}, 2048);
+    EXPECT_GT(result.balance.photonsTraced, 10000);
     forVoxels(result.radiance, [&](const Vec3i& v) {
       const double r = distanceTo({(v[0] + .5) / 32, (v[1] + .5) / 32, (v[2] + .5) / 32}, position[0], position[1], position[2]);
       if (r < 4.0 / 32) return;

@@ -2,6 +2,7 @@
 #include "unit/voxelise_support.h"
 #include "volume/optics.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -137,6 +138,8 @@ TEST(GaussianBlur, KeepsTheSumAndTheBitsOfConstants) {
   // Only bricks within reach of the surface have voxels of their own.
   for (std::int64_t b = 0; b < blurred.brickCount(); ++b)
     if (!blurred.isConstant(b)) {
+      const auto voxels = blurred.voxels(b);
+      EXPECT_TRUE(std::any_of(voxels.begin(), voxels.end(), [&](float v) { return v != voxels[0]; }));
       const Vec3i c = blurred.brickCoord(b);
       EXPECT_NEAR(std::hypot(c[0] * 8 - 44, c[1] * 8 - 44, c[2] * 8 - 44), 28, 8 + 7.0);
     }

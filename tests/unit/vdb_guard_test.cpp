@@ -57,8 +57,10 @@ TEST(Guard, TurnsEveryDisasterIntoOneError) {
   EXPECT_NE(errorOf([](std::ostream&) { std::raise(SIGSEGV); }).find("crash"), std::string::npos);
   EXPECT_NE(errorOf([](std::ostream&) { std::abort(); }).find("crash"), std::string::npos);
   EXPECT_NE(errorOf([](std::ostream&) { _exit(0); }), "");
+#ifndef __SANITIZE_ADDRESS__ // whose allocator ends the process where others throw
   EXPECT_NE(errorOf([](std::ostream& out) { out << std::vector<char>(std::size_t{1} << 40).size(); }).find("memory"),
             std::string::npos);
+#endif
   EXPECT_NE(errorOf([](std::ostream& out) { // more output than allowed
               const std::string block(1 << 20, 'x');
               for (int i = 0; i < 200 && out; ++i) out << block;

@@ -46,25 +46,30 @@ TEST(VoxeliseExact, FacesOnVoxelFacesGiveWholeVoxels) {
 
 TEST(VoxeliseExact, FacesOnSamplesCountEachSampleOnce) {
   const Domain domain = cubeDomain(16);
-  // Samples of a 4-fold lattice lie at (i + 1/2)/4; both faces of each axis lie on one, and one of the two owns it.
-  const double low = 10.5 / 4, high = 37.5 / 4;
-  const CoveragePatch patch = voxelise(box({low, low, low}, {high, high, high}), domain, 4);
+  // Faces at x, y = 1/8 and z = 1/32 of a sub-voxel meet samples of every fourth and every sixteenth row, on both sides
+  // of the box: one of the two owns them.
+  const Vec3d low{10.125 / 4, 10.125 / 4, (10 + 1.0 / 32) / 4}, high{37.125 / 4, 37.125 / 4, (37 + 1.0 / 32) / 4};
+  const CoveragePatch patch = voxelise(box(low, high), domain, 4);
   EXPECT_DOUBLE_EQ(volume(patch, domain) * 64, 27.0 * 27 * 27);
   // Two boxes that share such a face fill their union without a seam or a double layer.
-  const double middle = 20.5 / 4;
-  const auto a = dense(voxelise(box({low, low, low}, {high, high, middle}), domain, 4), domain);
-  const auto b = dense(voxelise(box({low, low, middle}, {high, high, high}), domain, 4), domain);
+  const double middle = (20 + 1.0 / 32) / 4;
+  const auto a = dense(voxelise(box(low, {high[0], high[1], middle}), domain, 4), domain);
+  const auto b = dense(voxelise(box({low[0], low[1], middle}, high), domain, 4), domain);
   const auto whole = dense(patch, domain);
   for (std::size_t i = 0; i < whole.size(); ++i) ASSERT_EQ(a[i] + b[i], whole[i]);
 }
 
 TEST(VoxeliseExact, VerticesAndEdgesOnSamplesNeitherLeakNorDouble) {
-  // Every coordinate is a sample's: rows run through vertices and along edges everywhere.
+  // Every vertex is a sample: rows run through vertices everywhere.
   const Domain domain = cubeDomain(16);
+  SubLattice lattice;
+  lattice.log2 = 1;
   for (const double radius : {3.1, 5.3, 7.2}) {
     Mesh ball = icosphere({8, 8, 8}, radius, 2);
-    for (Vec3d& p : ball.positions)
-      for (double& c : p) c = (std::floor(c * 2) + 0.5) / 2;
+    for (Vec3d& p : ball.positions) {
+      p = lattice.sample(int(2 * p[0]), int(2 * p[1]), int(2 * p[2]));
+      for (double& c : p) c /= 2;
+    }
     const auto expected =
         sampledCoverage(domain, 2, [&](const Vec3d& p) { return std::abs(windingNumber(ball, nudged(p))) >= 0.5; });
     EXPECT_EQ(differing(dense(voxelise(ball, domain, 2, FillRule::Exact), domain), expected), 0) << radius;

@@ -3,6 +3,7 @@
 
 #include "volcaustic/medium.h"
 #include "volcaustic/mesh.h"
+#include "volume/coverage_rows.h"
 #include "volume/voxelise.h"
 
 #include <array>
@@ -171,22 +172,27 @@ inline double volume(const CoveragePatch& patch, const Domain& domain) {
   return sum * domain.voxelSize * domain.voxelSize * domain.voxelSize;
 }
 
-/// Coverage with inside(point) asked at every sub-voxel's centre.
+/// Coverage with inside(point) asked at every sample.
 template <class Inside>
 std::vector<float> sampledCoverage(const Domain& domain, int supersample, Inside&& inside) {
   std::vector<float> values;
-  const double h = domain.voxelSize / supersample;
+  const int s = supersample;
+  const double h = domain.voxelSize / s;
+  SubLattice lattice;
+  while (1 << lattice.log2 < s) ++lattice.log2;
+  const auto isInside = [&](int i, int j, int k) {
+    Vec3d p = lattice.sample(i, j, k);
+    for (int a = 0; a < 3; ++a) p[a] = domain.minCorner[a] + h * p[a];
+    return inside(p);
+  };
   for (int x = 0; x < domain.dims[0]; ++x)
     for (int y = 0; y < domain.dims[1]; ++y)
       for (int z = 0; z < domain.dims[2]; ++z) {
         int count = 0;
-        for (int i = 0; i < supersample; ++i)
-          for (int j = 0; j < supersample; ++j)
-            for (int k = 0; k < supersample; ++k)
-              count += inside(Vec3d{domain.minCorner[0] + h * (x * supersample + i + 0.5),
-                                    domain.minCorner[1] + h * (y * supersample + j + 0.5),
-                                    domain.minCorner[2] + h * (z * supersample + k + 0.5)});
-        values.push_back(float(count) / float(supersample * supersample * supersample));
+        for (int i = 0; i < s; ++i)
+          for (int j = 0; j < s; ++j)
+            for (int k = 0; k < s; ++k) count += isInside(x * s + i, y * s + j, z * s + k);
+        values.push_back(float(count) / float(s * s * s));
       }
   return values;
 }

@@ -100,6 +100,16 @@ TEST(VoxeliseWinding, AutoWarnsOnceAndSaysWhy) {
   EXPECT_EQ(lines[0].find('\n'), std::string::npos);
 }
 
+TEST(VoxeliseWinding, ABodyThatEnclosesNothingIsSaidToBeEmpty) {
+  std::vector<std::string> lines;
+  RunContext ctx;
+  ctx.onLog = [&](LogLevel, std::string_view line) { lines.emplace_back(line); };
+  const Mesh shell = ballWithHole(0);
+  EXPECT_EQ(volume(voxelise(joined(shell, reversed(shell)), kDomain, 2, FillRule::Auto, ctx), kDomain), 0);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("faces cancel"), std::string::npos);
+}
+
 TEST(VoxeliseWinding, ThreadsDoNotChangeABit) {
   RunContext one, two;
   one.threads = 1;

@@ -32,7 +32,7 @@ struct ImageWriteOptions {
   double exposure = 0;   ///< stops, applied to 8- and 16-bit integer formats only
 };
 
-/// Writes by extension: .exr keeps every channel (OpenEXR); everything else that OpenImageIO writes gets R, G, B and A,
+/// Writes by extension: .exr keeps every channel (OpenEXR); everything else that OpenImageIO writes gets R, G and B,
 /// sRGB-encoded for integer formats. Written beside the target and renamed when whole.
 /// \throws Error(File), Error(Usage) for an extension nobody writes.
 VOLCAUSTIC_API void writeImage(const std::filesystem::path& path, const Image& image,
