@@ -150,6 +150,14 @@ struct Session::State {
     return buildMedium(bodies, scene.volume.ambient, domainOf(bodies), scene.voxelise, ctx);
   }
 
+  /// The medium made ready for the kernels; photons and view share it. `medium` must be current.
+  const FlatMediumStorage& flattened() {
+    Hash h;
+    h.text("flatten 1").value(medium.key);
+    addOptions(h, scene.stepField);
+    return ensure(flat, "stepField", h, [&] { return flattenMedium(*medium.result, scene.stepField, ctx); });
+  }
+
   /// The scene's box, or the bodies' enlarged by the margin.
   [[nodiscard]] Domain domainOf(const std::vector<Body>& bodies) const {
     const SceneVolume& v = scene.volume;
@@ -192,24 +200,11 @@ const Medium& Session::medium() {
   return s.ensure(s.medium, "medium", s.mediumKey(), [&] { return s.buildScene(); });
 }
 
-namespace {
-
-/// The medium made ready for the kernels; part of photons and view alike.
-Hash flatKey(std::uint64_t mediumKey, const StepFieldOptions& options) {
-  Hash h;
-  h.text("flatten 1").value(mediumKey);
-  addOptions(h, options);
-  return h;
-}
-
-} // namespace
-
 const PhotonResult& Session::photons() {
   State& s = *mState;
   if (s.foreignRadiance) return *s.photons.result;
   const Medium& m = medium();
-  const FlatMediumStorage& flat = s.ensure(s.flat, "stepField", flatKey(s.medium.key, s.scene.stepField),
-                                           [&] { return flattenMedium(m, s.scene.stepField, s.ctx); });
+  const FlatMediumStorage& flat = s.flattened();
   Hash h;
   h.text("photons 1").value(s.flat.key).value(s.ctx.seed);
   addOptions(h, s.scene.photons);
@@ -221,8 +216,7 @@ const ViewResult& Session::view() {
   State& s = *mState;
   const Medium& m = medium();
   const PhotonResult& light = photons();
-  const FlatMediumStorage& flat = s.ensure(s.flat, "stepField", flatKey(s.medium.key, s.scene.stepField),
-                                           [&] { return flattenMedium(m, s.scene.stepField, s.ctx); });
+  const FlatMediumStorage& flat = s.flattened();
   Hash h;
   h.text("view 1").value(s.photons.key).value(s.flat.key);
   addOptions(h, s.scene.camera);

@@ -6,12 +6,12 @@
 #include "volume/brick_collector.h"
 #include "volume/grids.h"
 #include "volume/optics.h"
+#include "volume/vdb_file.h"
 #include "volume/voxelise.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <sstream>
 
@@ -99,11 +99,6 @@ MediumGrids toGrids(OpticsBricks&& optics, const Domain& domain, const Ambient& 
   grids.scattering = spectrum(optics.scattering, ambient.scattering, "scattering");
   if (optics.asymmetry) grids.asymmetry = toFloatGrid(*optics.asymmetry, domain, "asymmetry", ctx);
   return grids;
-}
-
-void initialiseOpenVdb() {
-  static std::once_flag once;
-  std::call_once(once, [] { openvdb::initialize(); });
 }
 
 } // namespace
