@@ -8,8 +8,8 @@
 
 namespace volcaustic {
 
-/// Calls body(i, sinks[slot]) for every i in [0, count). There must be threadCount(ctx) sinks; each is used by one thread at a
-/// time.
+/// Calls body(i, sinks[slot]) for every i in [0, count). There must be threadCount(ctx) sinks; each is used by one
+/// thread at a time.
 template <class Body, class Sink>
 void launchCpu(std::int64_t count, std::int64_t grain, const RunContext& ctx, std::string_view stage, const Body& body,
                std::span<Sink> sinks) {

@@ -1,4 +1,5 @@
-// What the CUDA backend offers the host; cuda.cu implements it, cuda_stub.cpp where the build has no nvcc. Names no CUDA type.
+// What the CUDA backend offers the host; cuda.cu implements it, cuda_stub.cpp where the build has no nvcc. Names no
+// CUDA type.
 #pragma once
 
 #include "volcaustic/device.h"

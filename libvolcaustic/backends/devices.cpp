@@ -28,7 +28,8 @@ std::vector<DeviceInfo> listDevices() {
   cpu.id = "cpu";
   cpu.name = processorName();
   cpu.usable = true;
-  cpu.memoryBytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+  cpu.memoryBytes =
+      static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
   cpu.parallelUnits = threadCount({});
   std::vector<DeviceInfo> devices{cpu};
   for (DeviceInfo& d : listCudaDevices()) devices.push_back(std::move(d));

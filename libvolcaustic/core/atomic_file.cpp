@@ -15,8 +15,7 @@ namespace {
 std::atomic<unsigned> gCounter{0}; // distinguishes files of one process; names only, never results
 } // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path target)
-    : mTarget(std::move(target)) {
+AtomicFile::AtomicFile(std::filesystem::path target) : mTarget(std::move(target)) {
   std::error_code ignored;
   if (std::filesystem::is_directory(mTarget, ignored))
     throw Error(ErrorKind::File, mTarget.string() + ": is a folder; name a file to write");

@@ -1,5 +1,6 @@
 // A sparse voxel array over a domain: 8x8x8 bricks, each either one value or 512 of them. The working form between the
-// stages; OpenVDB grids are the form at the borders. A brick is an OpenVDB leaf and has its voxel order (x slowest, z fastest).
+// stages; OpenVDB grids are the form at the borders. A brick is an OpenVDB leaf and has its voxel order (x slowest, z
+// fastest).
 #pragma once
 
 #include "volcaustic/types.h"
@@ -24,14 +25,18 @@ class BrickGrid {
 public:
   BrickGrid() = default;
   BrickGrid(const Vec3i& dims, const T& background)
-      : mDims(dims), mBricks{(dims[0] + 7) / 8, (dims[1] + 7) / 8, (dims[2] + 7) / 8},
-        mSlots(std::size_t(mBricks[0]) * mBricks[1] * mBricks[2], kConstant), mValues(mSlots.size(), background),
-        mBackground(background) {}
+      : mDims(dims)
+      , mBricks{(dims[0] + 7) / 8, (dims[1] + 7) / 8, (dims[2] + 7) / 8}
+      , mSlots(std::size_t(mBricks[0]) * mBricks[1] * mBricks[2], kConstant)
+      , mValues(mSlots.size(), background)
+      , mBackground(background) {}
 
   [[nodiscard]] const Vec3i& dims() const { return mDims; }
   [[nodiscard]] const Vec3i& brickDims() const { return mBricks; }
   [[nodiscard]] std::int64_t brickCount() const { return static_cast<std::int64_t>(mSlots.size()); }
-  [[nodiscard]] std::int64_t activeBrickCount() const { return static_cast<std::int64_t>(mVoxels.size() / kBrickVoxels); }
+  [[nodiscard]] std::int64_t activeBrickCount() const {
+    return static_cast<std::int64_t>(mVoxels.size() / kBrickVoxels);
+  }
   [[nodiscard]] const T& background() const { return mBackground; }
 
   [[nodiscard]] std::int64_t brickIndex(const Vec3i& brick) const {
@@ -58,8 +63,8 @@ public:
     assert(isConstant(brick));
     mValues[brick] = value;
   }
-  /// Gives the brick 512 voxels of its own, filled with its constant. Not safe beside other allocations: use activate for
-  /// many bricks at once.
+  /// Gives the brick 512 voxels of its own, filled with its constant. Not safe beside other allocations: use activate
+  /// for many bricks at once.
   std::span<T> allocate(std::int64_t brick) {
     if (isConstant(brick)) {
       mSlots[brick] = static_cast<std::int32_t>(mVoxels.size() / kBrickVoxels);
@@ -78,14 +83,16 @@ public:
   /// Value at a voxel of the domain.
   [[nodiscard]] const T& at(int x, int y, int z) const {
     const std::int64_t brick = brickIndex({x >> 3, y >> 3, z >> 3});
-    return isConstant(brick) ? mValues[brick] : mVoxels[std::size_t(mSlots[brick]) * kBrickVoxels + brickOffset(x, y, z)];
+    return isConstant(brick) ? mValues[brick]
+                             : mVoxels[std::size_t(mSlots[brick]) * kBrickVoxels + brickOffset(x, y, z)];
   }
   /// The same with coordinates clamped into the domain.
   [[nodiscard]] const T& clamped(int x, int y, int z) const {
     return at(std::clamp(x, 0, mDims[0] - 1), std::clamp(y, 0, mDims[1] - 1), std::clamp(z, 0, mDims[2] - 1));
   }
 
-  /// The arrays themselves, for the kernels: slot or -1 of each brick, value of each constant brick, 512 voxels of each slot.
+  /// The arrays themselves, for the kernels: slot or -1 of each brick, value of each constant brick, 512 voxels of each
+  /// slot.
   [[nodiscard]] std::span<const std::int32_t> slots() const { return mSlots; }
   [[nodiscard]] std::span<const T> constants() const { return mValues; }
   [[nodiscard]] std::span<const T> storage() const { return mVoxels; }

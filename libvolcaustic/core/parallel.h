@@ -1,5 +1,5 @@
-// Loops over oneTBB that honour a RunContext: thread count, cancellation, progress. The only folder of the library, with
-// backends/cpu.cpp, that names TBB.
+// Loops over oneTBB that honour a RunContext: thread count, cancellation, progress. The only folder of the library,
+// with backends/cpu.cpp, that names TBB.
 #pragma once
 
 #include "volcaustic/run_context.h"
@@ -13,9 +13,9 @@ namespace volcaustic {
 /// Threads that `ctx` asks for: its own number, or all that the machine offers.
 int threadCount(const RunContext& ctx);
 
-/// Calls body(begin, end, slot) over [0, count) in pieces of at most `grain`. `slot` is in [0, threadCount(ctx)) and never
-/// in use by two calls at once, so it can index private storage. The pieces are the same whatever the number of threads;
-/// their order is not. Exceptions travel to the caller; between pieces the loop stops when cancelled.
+/// Calls body(begin, end, slot) over [0, count) in pieces of at most `grain`. `slot` is in [0, threadCount(ctx)) and
+/// never in use by two calls at once, so it can index private storage. The pieces are the same whatever the number of
+/// threads; their order is not. Exceptions travel to the caller; between pieces the loop stops when cancelled.
 void parallelFor(std::int64_t count, std::int64_t grain, const RunContext& ctx,
                  const std::function<void(std::int64_t begin, std::int64_t end, int slot)>& body,
                  std::string_view stage = {});

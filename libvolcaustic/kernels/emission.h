@@ -1,4 +1,5 @@
-// Photon emission: each light sees the domain's box through rasters, one ray a cell, and finds where it first meets a bend.
+// Photon emission: each light sees the domain's box through rasters, one ray a cell, and finds where it first meets a
+// bend.
 #pragma once
 
 #include "kernels/march.h"
@@ -7,7 +8,8 @@
 
 namespace volcaustic::kernels {
 
-/// A uniform number in [0, 1) from a seed and two counters: the 64-bit finaliser of SplitMix64 (Steele, Lea, Flood 2014).
+/// A uniform number in [0, 1) from a seed and two counters: the 64-bit finaliser of SplitMix64 (Steele, Lea, Flood
+/// 2014).
 VOLCAUSTIC_HD inline double uniform(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
   std::uint64_t z = seed * 0x9e3779b97f4a7c15ull + a * 0xbf58476d1ce4e5b9ull + b * 0x94d049bb133111ebull;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -21,8 +23,9 @@ struct EmissionRay {
   Double3 direction; ///< unit
 };
 
-/// One raster of a light, grid space. Parallel light: cells are squares of the plane through `origin` spanned by axisU and
-/// axisV, light travels along axisW. Point light: cells are rectangles of the tangent plane axisW + u axisU + v axisV.
+/// One raster of a light, grid space. Parallel light: cells are squares of the plane through `origin` spanned by axisU
+/// and axisV, light travels along axisW. Point light: cells are rectangles of the tangent plane axisW + u axisU + v
+/// axisV.
 struct EmissionFrame {
   Double3 origin, axisU, axisV, axisW;
   double u0 = 0, v0 = 0, du = 0, dv = 0; ///< low corner and size of a cell
@@ -31,8 +34,8 @@ struct EmissionFrame {
   bool cubeFace = false; ///< one of six around a point light; axisW is then a coordinate axis
   bool jitter = false;
   std::uint64_t seed = 0;
-  double depth0 = 0;  ///< distance from the origin to the box; stored distances are relative to it
-  Double3 strength;   ///< W for a cell (parallel light) or W/sr (point light)
+  double depth0 = 0; ///< distance from the origin to the box; stored distances are relative to it
+  Double3 strength;  ///< W for a cell (parallel light) or W/sr (point light)
 
   VOLCAUSTIC_HD std::int64_t cells() const { return static_cast<std::int64_t>(columns) * rows; }
 
@@ -42,13 +45,14 @@ struct EmissionFrame {
       a = uniform(seed, static_cast<std::uint64_t>(cell), 0);
       b = uniform(seed, static_cast<std::uint64_t>(cell), 1);
     }
-    const double u = u0 + (static_cast<double>(cell % columns) + a) * du, v = v0 + (static_cast<double>(cell / columns) + b) * dv;
+    const double u = u0 + (static_cast<double>(cell % columns) + a) * du,
+                 v = v0 + (static_cast<double>(cell / columns) + b) * dv;
     if (!point) return {origin + axisU * u + axisV * v, axisW};
     return {origin, normalize(axisW + axisU * u + axisV * v)};
   }
 
-  /// Power of a cell in W: irradiance times area, or intensity times solid angle (van Oosterom and Strackee's formula for a
-  /// rectangle, as a difference of corner terms).
+  /// Power of a cell in W: irradiance times area, or intensity times solid angle (van Oosterom and Strackee's formula
+  /// for a rectangle, as a difference of corner terms).
   VOLCAUSTIC_HD Double3 power(std::int64_t cell) const {
     if (!point) return strength;
     const double ua = u0 + static_cast<double>(cell % columns) * du, va = v0 + static_cast<double>(cell / columns) * dv;
@@ -58,7 +62,8 @@ struct EmissionFrame {
   }
 };
 
-/// Distance along o + t d, in [t0, t1], to the first voxel whose step byte says that light bends; 1e300 when there is none.
+/// Distance along o + t d, in [t0, t1], to the first voxel whose step byte says that light bends; 1e300 when there is
+/// none.
 VOLCAUSTIC_HD inline double firstBend(const FlatMedium& m, const Double3& o, const Double3& d, double t0, double t1) {
   double found = 1e300;
   traverse(o, d, t0, t1, m.brickDims, 3, [&](const Int3& brick, double in, double out) {
@@ -81,8 +86,8 @@ VOLCAUSTIC_HD inline Double3 transmittance(const Optics& optics, double distance
 
 inline constexpr float kNeverBends = 3.0e38f;
 
-/// Cell -> distance of its first bend (relative to frame.depth0; kNeverBends when its light goes straight through or misses
-/// the box). Light on the way there, and light that never bends, is booked here; the rest is PhotonBody's.
+/// Cell -> distance of its first bend (relative to frame.depth0; kNeverBends when its light goes straight through or
+/// misses the box). Light on the way there, and light that never bends, is booked here; the rest is PhotonBody's.
 template <class Sink>
 struct EmissionBody {
   FlatMedium medium;

@@ -1,7 +1,9 @@
-// The medium as the kernels read it: a table of bricks over the domain, and packed voxels for the bricks where something varies.
+// The medium as the kernels read it: a table of bricks over the domain, and packed voxels for the bricks where
+// something varies.
 //
 //   bricks[brickDims.x][brickDims.y][brickDims.z]     one BrickRecord each (z fastest)
-//     .field  -> fields + 729 * slot                  n and grad n at 9x9x9 voxel centres: the brick's 8x8x8 and one more
+//     .field  -> fields + 729 * slot                  n and grad n at 9x9x9 voxel centres: the brick's 8x8x8 and one
+//     more
 //                                                     layer on the high sides, so a trilinear lookup touches one brick
 //     .steps  -> steps + 512 * slot                   a step byte for each voxel
 //     .optics -> voxelOptics + 512 * slot             index into `optics` for each voxel
@@ -29,8 +31,8 @@ struct Optics {
   float asymmetry = 0;
 };
 
-/// A step byte: the level of the voxel's constant cube, whether its steps are capped, and whether light bends here (or the
-/// optics are not the ambient ones), so that photons which meet it have to be marched.
+/// A step byte: the level of the voxel's constant cube, whether its steps are capped, and whether light bends here (or
+/// the optics are not the ambient ones), so that photons which meet it have to be marched.
 inline constexpr std::uint8_t kStepLevelMask = 0x1f;
 inline constexpr std::uint8_t kStepCappedBit = 0x40;
 inline constexpr std::uint8_t kStepBendsBit = 0x80;
@@ -42,7 +44,7 @@ struct BrickRecord {
   std::int32_t constantOptics = 0;
   float index = 1;
   std::uint8_t step = 0;
-  std::uint8_t bends = 0;   ///< 1 when any voxel has kStepBendsBit
+  std::uint8_t bends = 0; ///< 1 when any voxel has kStepBendsBit
 };
 
 struct FlatMedium {
@@ -59,7 +61,8 @@ struct FlatMedium {
   }
   /// The voxel that holds p, clamped into the domain.
   VOLCAUSTIC_HD Int3 voxelOf(const Float3& p) const {
-    return {clampTo(static_cast<int>(std::floor(p.x)), 0, dims.x - 1), clampTo(static_cast<int>(std::floor(p.y)), 0, dims.y - 1),
+    return {clampTo(static_cast<int>(std::floor(p.x)), 0, dims.x - 1),
+            clampTo(static_cast<int>(std::floor(p.y)), 0, dims.y - 1),
             clampTo(static_cast<int>(std::floor(p.z)), 0, dims.z - 1)};
   }
   VOLCAUSTIC_HD static int voxelOffset(const Int3& v) { return ((v.x & 7) << 6) | ((v.y & 7) << 3) | (v.z & 7); }
@@ -84,9 +87,9 @@ VOLCAUSTIC_HD inline FieldVoxel mix(const FieldVoxel& a, const FieldVoxel& b, fl
   return {a.n + t * (b.n - a.n), a.gx + t * (b.gx - a.gx), a.gy + t * (b.gy - a.gy), a.gz + t * (b.gz - a.gz)};
 }
 
-/// Trilinear in n and in grad n, which is itself a central difference at voxel centres. The gradient differentiated from
-/// trilinear n would jump at every voxel centre; this one does not. Within half a voxel of the domain's faces both are
-/// extrapolated from the two nearest layers.
+/// Trilinear in n and in grad n, which is itself a central difference at voxel centres. The gradient differentiated
+/// from trilinear n would jump at every voxel centre; this one does not. Within half a voxel of the domain's faces both
+/// are extrapolated from the two nearest layers.
 VOLCAUSTIC_HD inline FieldSample sampleField(const FlatMedium& m, const Float3& p) {
   const Float3 q = p - Float3(0.5f);
   const Int3 base{clampTo(static_cast<int>(std::floor(q.x)), 0, larger(m.dims.x - 2, 0)),

@@ -18,8 +18,8 @@ struct MarchRules {
   bool euler = false; ///< VD equations (6) and (7) instead of drift-kick-drift
 };
 
-/// Distance from x along the unit vector d to the boundary of the aligned cube of 2^level voxels that holds `voxel`. Axes along
-/// which d hardly moves do not count: a ray that glides in a face of cubes would stand still.
+/// Distance from x along the unit vector d to the boundary of the aligned cube of 2^level voxels that holds `voxel`.
+/// Axes along which d hardly moves do not count: a ray that glides in a face of cubes would stand still.
 VOLCAUSTIC_HD inline float distanceToCubeFace(const Float3& x, const Float3& d, const Int3& voxel, int level) {
   float t = 3.0e38f;
   const auto axis = [&](float xa, float da, int va) {
@@ -42,8 +42,8 @@ VOLCAUSTIC_HD inline float stepLength(const FlatMedium& m, const MarchRules& rul
 }
 
 /// One step of arc length ds. With dtau = ds/n the ray equation is Newton's, d2x/dtau2 = grad(n^2)/2, with unit mass:
-/// half a drift, the kick n grad n at the middle, half a drift is second order and symplectic. |v| stands for n in dtau,
-/// which it equals along an exact path, so a step costs one lookup.
+/// half a drift, the kick n grad n at the middle, half a drift is second order and symplectic. |v| stands for n in
+/// dtau, which it equals along an exact path, so a step costs one lookup.
 VOLCAUSTIC_HD inline Ray driftKickDrift(const FlatMedium& m, const Ray& r, float ds) {
   const float dtau = ds / length(r.v);
   const Float3 middle = r.x + r.v * (0.5f * dtau);
@@ -84,12 +84,12 @@ VOLCAUSTIC_HD inline float exitFraction(const Int3& dims, const Float3& a, const
 /// A step and what it did.
 struct StepResult {
   Ray ray;
-  float ds = 0;         ///< arc length of the step
-  bool leaves = false;  ///< the ray is on a face of the box, about to leave
+  float ds = 0;        ///< arc length of the step
+  bool leaves = false; ///< the ray is on a face of the box, about to leave
 };
 
-/// Advances by ds, or exactly to the face of the box that the step would cross: the shortened step is taken afresh from its
-/// start, so position and direction on the face are as accurate as any other.
+/// Advances by ds, or exactly to the face of the box that the step would cross: the shortened step is taken afresh from
+/// its start, so position and direction on the face are as accurate as any other.
 VOLCAUSTIC_HD inline StepResult advanceInBox(const FlatMedium& m, const MarchRules& rules, const Ray& r, float ds) {
   StepResult s{advance(m, rules, r, ds), ds, false};
   for (int attempt = 0; attempt < 3 && !insideBox(m.dims, s.ray.x); ++attempt) {
@@ -98,12 +98,14 @@ VOLCAUSTIC_HD inline StepResult advanceInBox(const FlatMedium& m, const MarchRul
     s.ray = advance(m, rules, r, s.ds);
   }
   if (!s.leaves) return s;
-  s.ray.x = Float3(clampTo(s.ray.x.x, 0.0f, static_cast<float>(m.dims.x)), clampTo(s.ray.x.y, 0.0f, static_cast<float>(m.dims.y)),
+  s.ray.x = Float3(clampTo(s.ray.x.x, 0.0f, static_cast<float>(m.dims.x)),
+                   clampTo(s.ray.x.y, 0.0f, static_cast<float>(m.dims.y)),
                    clampTo(s.ray.x.z, 0.0f, static_cast<float>(m.dims.z)));
   return s;
 }
 
-/// Entry and exit distances of the line o + t d through the box [0, dims]; entry > exit when it misses. Not clipped at t = 0.
+/// Entry and exit distances of the line o + t d through the box [0, dims]; entry > exit when it misses. Not clipped at
+/// t = 0.
 struct Span {
   double entry, exit;
 };

@@ -20,8 +20,8 @@ VOLCAUSTIC_HD inline Float3 decay(const Float3& t) { return {std::exp(-t.x), std
 
 /// Deposits power * length, decaying by `attenuation`, into every voxel that the chord from a to b crosses.
 template <class Sink>
-VOLCAUSTIC_HD inline void depositChord(Sink& sink, const Int3& dims, const Float3& a, const Float3& b, const Float3& power,
-                                       const Float3& attenuation) {
+VOLCAUSTIC_HD inline void depositChord(Sink& sink, const Int3& dims, const Float3& a, const Float3& b,
+                                       const Float3& power, const Float3& attenuation) {
   const Float3 chord = b - a;
   const float len = length(chord);
   if (!(len > 0)) return;
@@ -41,13 +41,14 @@ VOLCAUSTIC_HD inline void depositChord(Sink& sink, const Int3& dims, const Float
   sink.count(Counter::VoxelsCrossed, crossed);
 }
 
-/// Carries the photon of raster cell cells[i] from its first bend until it leaves the box, fades or reaches the step limit.
+/// Carries the photon of raster cell cells[i] from its first bend until it leaves the box, fades or reaches the step
+/// limit.
 template <class Sink>
 struct PhotonBody {
   FlatMedium medium;
   EmissionFrame frame;
-  const float* entry;          ///< of EmissionBody
-  const std::uint32_t* cells;  ///< those with a bend
+  const float* entry;         ///< of EmissionBody
+  const std::uint32_t* cells; ///< those with a bend
   PhotonRules rules;
 
   VOLCAUSTIC_HD void operator()(std::int64_t i, Sink& sink) const {
@@ -65,7 +66,8 @@ struct PhotonBody {
 
 private:
   VOLCAUSTIC_HD Float3 clampToBox(const Float3& p) const {
-    return {clampTo(p.x, 0.0f, static_cast<float>(medium.dims.x)), clampTo(p.y, 0.0f, static_cast<float>(medium.dims.y)),
+    return {clampTo(p.x, 0.0f, static_cast<float>(medium.dims.x)),
+            clampTo(p.y, 0.0f, static_cast<float>(medium.dims.y)),
             clampTo(p.z, 0.0f, static_cast<float>(medium.dims.z))};
   }
 

@@ -12,8 +12,10 @@ struct SparseField {
   const float* voxels = nullptr;       ///< three for each of a slot's 512 voxels, z fastest
 
   VOLCAUSTIC_HD Float3 at(const Int3& v) const {
-    const std::int64_t brick = (static_cast<std::int64_t>(v.x >> 3) * brickDims.y + (v.y >> 3)) * brickDims.z + (v.z >> 3);
-    return slots[brick] < 0 ? load(constants, brick) : load(voxels, slots[brick] * std::int64_t{512} + FlatMedium::voxelOffset(v));
+    const std::int64_t brick =
+        (static_cast<std::int64_t>(v.x >> 3) * brickDims.y + (v.y >> 3)) * brickDims.z + (v.z >> 3);
+    return slots[brick] < 0 ? load(constants, brick)
+                            : load(voxels, slots[brick] * std::int64_t{512} + FlatMedium::voxelOffset(v));
   }
 
   /// Trilinear between voxel centres, constant beyond the outermost ones.
@@ -30,7 +32,9 @@ struct SparseField {
   }
 
 private:
-  VOLCAUSTIC_HD static Float3 load(const float* array, std::int64_t i) { return {array[3 * i], array[3 * i + 1], array[3 * i + 2]}; }
+  VOLCAUSTIC_HD static Float3 load(const float* array, std::int64_t i) {
+    return {array[3 * i], array[3 * i + 1], array[3 * i + 2]};
+  }
   VOLCAUSTIC_HD static Float3 lerp(const Float3& a, const Float3& b, float t) { return a + (b - a) * t; }
   VOLCAUSTIC_HD static void axis(float p, int dim, std::int32_t& low, float& t) {
     const float q = clampTo(p - 0.5f, 0.0f, static_cast<float>(dim - 1));
@@ -38,7 +42,8 @@ private:
     t = q - static_cast<float>(low);
   }
   VOLCAUSTIC_HD Float3 sampleInBrick(const Int3& low, const Float3& t) const {
-    const std::int64_t brick = (static_cast<std::int64_t>(low.x >> 3) * brickDims.y + (low.y >> 3)) * brickDims.z + (low.z >> 3);
+    const std::int64_t brick =
+        (static_cast<std::int64_t>(low.x >> 3) * brickDims.y + (low.y >> 3)) * brickDims.z + (low.z >> 3);
     if (slots[brick] < 0) return load(constants, brick);
     const std::int64_t c = slots[brick] * std::int64_t{512} + FlatMedium::voxelOffset(low);
     const auto row = [&](std::int64_t i) { return lerp(load(voxels, i), load(voxels, i + 1), t.z); };

@@ -18,7 +18,8 @@ enum class Counter : int { Emitted, Traced, StepLimit, NotFinite, Steps, VoxelsC
 template <class Sink>
 VOLCAUSTIC_HD inline void tallyLoss(Sink& sink, const Optics& o, const Double3& loss) {
   const auto albedo = [](float s, float t) { return t > 0 ? static_cast<double>(s) / static_cast<double>(t) : 0.0; };
-  const Double3 scattered{loss.x * albedo(o.scattering.x, o.attenuation.x), loss.y * albedo(o.scattering.y, o.attenuation.y),
+  const Double3 scattered{loss.x * albedo(o.scattering.x, o.attenuation.x),
+                          loss.y * albedo(o.scattering.y, o.attenuation.y),
                           loss.z * albedo(o.scattering.z, o.attenuation.z)};
   sink.tally(Outcome::Scattered, scattered);
   sink.tally(Outcome::Absorbed, loss - scattered);

@@ -13,14 +13,15 @@ VOLCAUSTIC_HD inline float henyeyGreenstein(float cosine, float g) {
   return (1 - g * g) / (4 * 3.14159265f * d * std::sqrt(larger(d, 1e-12f)));
 }
 
-/// Phase value for light of mean direction d (|d| <= 1) scattered into the unit direction `out`: asymmetry g|d| about d/|d|,
-/// so light from everywhere scatters evenly and a beam scatters as a beam.
+/// Phase value for light of mean direction d (|d| <= 1) scattered into the unit direction `out`: asymmetry g|d| about
+/// d/|d|, so light from everywhere scatters evenly and a beam scatters as a beam.
 VOLCAUSTIC_HD inline float effectivePhase(const Float3& d, const Float3& out, float g) {
   const float spread = length(d);
   return henyeyGreenstein(spread > 0 ? dot(d, out) / spread : 0, g * smaller(spread, 0.999f));
 }
 
-/// A pinhole in grid space: the direction through the raster point (u, v) in [0, 1]^2, v down, is corner + u right + v down.
+/// A pinhole in grid space: the direction through the raster point (u, v) in [0, 1]^2, v down, is corner + u right + v
+/// down.
 struct CameraFrame {
   Double3 origin, corner, right, down;
   std::int32_t width = 0, height = 0;

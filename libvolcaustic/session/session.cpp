@@ -19,8 +19,7 @@ namespace {
 /// A visitor of describe() that turns options into a key.
 class KeyVisitor {
 public:
-  explicit KeyVisitor(Hash& hash)
-      : mHash(hash) {}
+  explicit KeyVisitor(Hash& hash) : mHash(hash) {}
   template <class T>
   void operator()(const char* name, const T& value, const FieldDoc&) {
     mHash.text(name);
@@ -163,7 +162,8 @@ struct Session::State {
     const SceneVolume& v = scene.volume;
     Box box = v.bounds;
     if (v.automatic) {
-      if (bodies.empty()) throw Error(ErrorKind::Input, "volume.bounds: \"auto\" needs a visible object; give min and max");
+      if (bodies.empty())
+        throw Error(ErrorKind::Input, "volume.bounds: \"auto\" needs a visible object; give min and max");
       box = bounds(*bodies.front().mesh);
       for (const Body& b : bodies) {
         const Box other = bounds(*b.mesh);
@@ -182,8 +182,7 @@ struct Session::State {
   }
 };
 
-Session::Session(Scene scene, RunContext ctx)
-    : mState(std::make_unique<State>()) {
+Session::Session(Scene scene, RunContext ctx) : mState(std::make_unique<State>()) {
   mState->scene = std::move(scene);
   mState->ctx = std::move(ctx);
 }
@@ -209,7 +208,8 @@ const PhotonResult& Session::photons() {
   h.text("photons 1").value(s.flat.key).value(s.ctx.seed);
   addOptions(h, s.scene.photons);
   for (const Light& light : s.scene.lights) addOptions(h, light);
-  return s.ensure(s.photons, "photons", h, [&] { return tracePhotons(m, flat, s.scene.lights, s.scene.photons, s.ctx); });
+  return s.ensure(s.photons, "photons", h,
+                  [&] { return tracePhotons(m, flat, s.scene.lights, s.scene.photons, s.ctx); });
 }
 
 const ViewResult& Session::view() {

@@ -1,5 +1,5 @@
-// The CPU's sinks: private sums for each worker, in 64-bit fixed point, merged brick by brick. Integers add up to the same
-// whatever the order, so neither the number of threads nor their timing changes a bit of the result.
+// The CPU's sinks: private sums for each worker, in 64-bit fixed point, merged brick by brick. Integers add up to the
+// same whatever the order, so neither the number of threads nor their timing changes a bit of the result.
 #pragma once
 
 #include "core/brick_grid.h"
@@ -25,10 +25,10 @@ struct SinkRules {
   std::uint64_t memoryLimit = 0;
   std::atomic<std::uint64_t> bytes{0};
 
-  /// Scales for a pass that emits at most `watts` in any channel. A voxel may collect 64 W*voxel for each emitted W (every
-  /// photon crossing it some forty times over) before 2^62 is reached; what is left below is 2^-34 of a millionth of the power.
-  explicit SinkRules(double watts, std::uint64_t memoryLimit_)
-      : memoryLimit(memoryLimit_) {
+  /// Scales for a pass that emits at most `watts` in any channel. A voxel may collect 64 W*voxel for each emitted W
+  /// (every photon crossing it some forty times over) before 2^62 is reached; what is left below is 2^-34 of a
+  /// millionth of the power.
+  explicit SinkRules(double watts, std::uint64_t memoryLimit_) : memoryLimit(memoryLimit_) {
     int exponent = 0;
     std::frexp(watts > 0 ? watts : 1.0, &exponent);
     depositScale = std::ldexp(1.0, 62 - 6 - exponent);
@@ -62,7 +62,9 @@ public:
   void count(kernels::Counter counter, std::int64_t n) { mCounts[static_cast<int>(counter)] += n; }
 
   [[nodiscard]] const AccumulatorBrick* brick(std::int64_t index) const { return mBricks[index].get(); }
-  [[nodiscard]] const std::array<std::int64_t, 3>& tallies(kernels::Outcome o) const { return mTallies[static_cast<int>(o)]; }
+  [[nodiscard]] const std::array<std::int64_t, 3>& tallies(kernels::Outcome o) const {
+    return mTallies[static_cast<int>(o)];
+  }
   [[nodiscard]] std::int64_t counts(kernels::Counter c) const { return mCounts[static_cast<int>(c)]; }
 
 private:

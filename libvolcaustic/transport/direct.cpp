@@ -8,8 +8,8 @@ namespace volcaustic {
 
 namespace {
 
-using kernels::Double3;
 using kernels::dot;
+using kernels::Double3;
 using kernels::EmissionFrame;
 using kernels::Int3;
 
@@ -52,11 +52,15 @@ class DirectEvaluator {
 public:
   DirectEvaluator(const FlatMediumStorage& flat, const Domain& domain, const Light& light, const EmissionFrame& frame,
                   std::span<const float> entry, const RunContext& ctx)
-      : mFlat(flat), mFrame(frame), mEntry(entry), mTiles(tileDepths(frame, entry, ctx)), mVoxelSize(domain.voxelSize),
-        mStrength(light.type == LightType::Point
+      : mFlat(flat)
+      , mFrame(frame)
+      , mEntry(entry)
+      , mTiles(tileDepths(frame, entry, ctx))
+      , mVoxelSize(domain.voxelSize)
+      , mStrength(light.type == LightType::Point
                       ? Double3(light.intensity[0], light.intensity[1], light.intensity[2])
-                      : Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2])),
-        mClear(kernels::maxComponent(flat.optics[0].attenuation) == 0) {}
+                      : Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2]))
+      , mClear(kernels::maxComponent(flat.optics[0].attenuation) == 0) {}
 
   enum class Cover { Shadow, Lit, Mixed };
 
@@ -118,7 +122,8 @@ public:
   [[nodiscard]] bool uniformOverBrick() const { return mClear && !mFrame.point; }
 
 private:
-  /// A cube's position in the raster: plane coordinates of its corners, and nearest and farthest distance along the rays.
+  /// A cube's position in the raster: plane coordinates of its corners, and nearest and farthest distance along the
+  /// rays.
   [[nodiscard]] Footprint footprint(const Int3& low, int size, double& nearest, double& farthest) const {
     double u0 = 1e300, u1 = -1e300, v0 = 1e300, v1 = -1e300;
     nearest = 1e300;
@@ -149,7 +154,9 @@ private:
     if (mFrame.point) nearest = std::max(0.0, nearest - size);
     nearest -= mFrame.depth0;
     farthest -= mFrame.depth0;
-    const auto cell = [](double at, int count) { return static_cast<int>(kernels::clampTo(std::floor(at), 0.0, double(count))); };
+    const auto cell = [](double at, int count) {
+      return static_cast<int>(kernels::clampTo(std::floor(at), 0.0, double(count)));
+    };
     return {cell((u0 - mFrame.u0) / mFrame.du, mFrame.columns), cell((u1 - mFrame.u0) / mFrame.du + 1, mFrame.columns),
             cell((v0 - mFrame.v0) / mFrame.dv, mFrame.rows), cell((v1 - mFrame.v0) / mFrame.dv + 1, mFrame.rows)};
   }
@@ -158,7 +165,8 @@ private:
   [[nodiscard]] bool frameEdgeCuts(const Int3& low, int size) const {
     if (!mFrame.cubeFace) return false;
     for (int i = 0; i < 8; ++i)
-      if (!owns(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)))) return true;
+      if (!owns(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0))))
+        return true;
     return false;
   }
 
@@ -180,11 +188,13 @@ private:
     }
     const double column = std::floor((u - mFrame.u0) / mFrame.du), row = std::floor((w - mFrame.v0) / mFrame.dv);
     if (column < 0 || row < 0 || column >= mFrame.columns || row >= mFrame.rows) return 0;
-    return mEntry[static_cast<std::int64_t>(row) * mFrame.columns + static_cast<std::int64_t>(column)] >= depth - mFrame.depth0;
+    return mEntry[static_cast<std::int64_t>(row) * mFrame.columns + static_cast<std::int64_t>(column)] >=
+           depth - mFrame.depth0;
   }
 
 public:
-  /// The part of a voxel that this raster sees, in sixty-fourths; over the faces of a cube around a light they add up to one.
+  /// The part of a voxel that this raster sees, in sixty-fourths; over the faces of a cube around a light they add up
+  /// to one.
   [[nodiscard]] double share(const Int3& v) const {
     if (!frameEdgeCuts(v, 1)) return 1;
     int seen = 0;

@@ -16,8 +16,9 @@ struct DirectLight {
   BrickGrid<Vec3f> direction;
 };
 
-/// Adds one raster of a light. `entry` is EmissionBody's distance map: the same rays that decide which photons are traced
-/// decide here how much of a voxel their straight parts cover, so that direct and caustic light add up without gap or overlap.
+/// Adds one raster of a light. `entry` is EmissionBody's distance map: the same rays that decide which photons are
+/// traced decide here how much of a voxel their straight parts cover, so that direct and caustic light add up without
+/// gap or overlap.
 void addDirectLight(DirectLight& direct, const FlatMediumStorage& flat, const Domain& domain, const Light& light,
                     const kernels::EmissionFrame& frame, std::span<const float> entry, const RunContext& ctx);
 

@@ -11,8 +11,8 @@ namespace volcaustic {
 namespace {
 
 using kernels::cross;
-using kernels::Double3;
 using kernels::dot;
+using kernels::Double3;
 using kernels::EmissionFrame;
 using kernels::normalize;
 
@@ -94,7 +94,8 @@ EmissionFrame pointFrame(const Double3& position, const Double3& w, const Light&
   return f;
 }
 
-std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Domain& domain, const PhotonOptions& options) {
+std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Domain& domain,
+                                       const PhotonOptions& options) {
   if (!allFinite(light.position)) refuse(light, number, "position must be finite");
   checkPower(light, number, light.intensity, "intensity");
   const Double3 position = toGrid(domain, light.position);
@@ -136,8 +137,8 @@ std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Dom
 
 } // namespace
 
-std::vector<EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain, const PhotonOptions& options,
-                                          std::uint64_t seed) {
+std::vector<EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain,
+                                          const PhotonOptions& options, std::uint64_t seed) {
   std::vector<EmissionFrame> frames;
   if (light.type == LightType::Directional)
     frames.push_back(parallelFrame(light, number, domain, options));

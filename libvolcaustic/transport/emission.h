@@ -8,9 +8,9 @@
 
 namespace volcaustic {
 
-/// The rasters of a light: one for parallel light and for a point outside the box that sees it under a moderate angle, the six
-/// faces of a cube for a point inside or close by. `light` numbers the light, so that jitter differs between lights.
-/// \throws Error(Usage) "lights[i]: ..." for directions, positions and powers that make no sense.
+/// The rasters of a light: one for parallel light and for a point outside the box that sees it under a moderate angle,
+/// the six faces of a cube for a point inside or close by. `light` numbers the light, so that jitter differs between
+/// lights. \throws Error(Usage) "lights[i]: ..." for directions, positions and powers that make no sense.
 std::vector<kernels::EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain,
                                                    const PhotonOptions& options, std::uint64_t seed);
 

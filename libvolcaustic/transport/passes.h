@@ -12,7 +12,8 @@ PhotonResult tracePhotons(const Medium& medium, const FlatMediumStorage& flat, s
                           const PhotonOptions& options, const RunContext& ctx);
 
 /// renderView; likewise.
-ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance, const Camera& camera,
-                      const Background& background, const ViewOptions& options, const RunContext& ctx);
+ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance,
+                      const Camera& camera, const Background& background, const ViewOptions& options,
+                      const RunContext& ctx);
 
 } // namespace volcaustic

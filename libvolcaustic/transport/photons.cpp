@@ -35,16 +35,23 @@ struct NumberedFrame {
 double powerBound(std::span<const NumberedFrame> frames) {
   double watts = 0;
   for (const auto& [light, f] : frames)
-    watts += kernels::maxComponent(f.strength) * (f.point ? 4 * 3.14159265358979323846 : static_cast<double>(f.cells()));
+    watts +=
+        kernels::maxComponent(f.strength) * (f.point ? 4 * 3.14159265358979323846 : static_cast<double>(f.cells()));
   return watts;
 }
 
 class PhotonPass {
 public:
-  PhotonPass(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights, const PhotonOptions& options,
-             const RunContext& ctx)
-      : mMedium(medium), mLights(lights), mOptions(options), mCtx(ctx), mFlat(flat), mFrames(allFrames()), mRules(powerBound(mFrames), ctx.effectiveMemoryLimit()),
-        mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0})} {
+  PhotonPass(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
+             const PhotonOptions& options, const RunContext& ctx)
+      : mMedium(medium)
+      , mLights(lights)
+      , mOptions(options)
+      , mCtx(ctx)
+      , mFlat(flat)
+      , mFrames(allFrames())
+      , mRules(powerBound(mFrames), ctx.effectiveMemoryLimit())
+      , mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0})} {
     for (int i = 0; i < threadCount(ctx); ++i) mSinks.emplace_back(mFlat.brickDims, mRules);
   }
 
@@ -57,7 +64,8 @@ private:
   [[nodiscard]] std::vector<NumberedFrame> allFrames() const {
     std::vector<NumberedFrame> frames;
     for (std::size_t i = 0; i < mLights.size(); ++i)
-      for (const EmissionFrame& f : emissionFrames(mLights[i], static_cast<int>(i), mMedium.domain(), mOptions, mCtx.seed))
+      for (const EmissionFrame& f :
+           emissionFrames(mLights[i], static_cast<int>(i), mMedium.domain(), mOptions, mCtx.seed))
         frames.push_back({static_cast<int>(i), f});
     return frames;
   }
@@ -92,7 +100,8 @@ private:
   void merge(BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) {
     std::vector<std::int64_t> touched;
     for (std::int64_t b = 0; b < caustic.brickCount(); ++b)
-      if (std::any_of(mSinks.begin(), mSinks.end(), [&](const CpuSink& s) { return s.brick(b) != nullptr; })) touched.push_back(b);
+      if (std::any_of(mSinks.begin(), mSinks.end(), [&](const CpuSink& s) { return s.brick(b) != nullptr; }))
+        touched.push_back(b);
     mCtx.requireMemory(touched.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: caustic light");
     caustic.activate(touched);
     direction.activate(touched);
@@ -147,11 +156,15 @@ private:
       const float s = len > 1 ? 1 / len : 1; // rounding may carry a beam beyond 1
       return {d.x * s, d.y * s, d.z * s};
     };
-    const auto at = [](const BrickGrid<Vec3f>& g, std::int64_t b, int k) { return g.isConstant(b) ? g.constant(b) : g.voxels(b)[k]; };
+    const auto at = [](const BrickGrid<Vec3f>& g, std::int64_t b, int k) {
+      return g.isConstant(b) ? g.constant(b) : g.voxels(b)[k];
+    };
     std::vector<std::int64_t> varying;
     for (std::int64_t b = 0; b < mean.brickCount(); ++b)
-      if (causticSum.isConstant(b) && directSum.isConstant(b) && light.caustic.isConstant(b) && light.direct.isConstant(b))
-        mean.setConstant(b, divide(causticSum.constant(b), directSum.constant(b), light.caustic.constant(b), light.direct.constant(b)));
+      if (causticSum.isConstant(b) && directSum.isConstant(b) && light.caustic.isConstant(b) &&
+          light.direct.isConstant(b))
+        mean.setConstant(b, divide(causticSum.constant(b), directSum.constant(b), light.caustic.constant(b),
+                                   light.direct.constant(b)));
       else
         varying.push_back(b);
     mean.activate(varying);
@@ -159,7 +172,8 @@ private:
       for (std::int64_t i = begin; i < end; ++i) {
         const std::int64_t b = varying[i];
         for (int k = 0; k < kBrickVoxels; ++k)
-          mean.voxels(b)[k] = divide(at(causticSum, b, k), at(directSum, b, k), at(light.caustic, b, k), at(light.direct, b, k));
+          mean.voxels(b)[k] =
+              divide(at(causticSum, b, k), at(directSum, b, k), at(light.caustic, b, k), at(light.direct, b, k));
       }
     });
     return mean;
@@ -227,7 +241,8 @@ private:
 };
 
 void check(const PhotonOptions& o) {
-  if (o.grid[0] < 1 || o.grid[1] < 1) throw Error(ErrorKind::Usage, "photons.grid: needs at least one photon along each side");
+  if (o.grid[0] < 1 || o.grid[1] < 1)
+    throw Error(ErrorKind::Usage, "photons.grid: needs at least one photon along each side");
   if (static_cast<std::int64_t>(o.grid[0]) * o.grid[1] > 0xffffffffll)
     throw Error(ErrorKind::Usage, "photons.grid: at most 2^32 photons for a light");
   if (!(o.minStep > 0) || !(o.maxStep >= o.minStep))
@@ -242,7 +257,8 @@ double EnergyBalance::relativeImbalance() const {
   double worst = 0;
   for (int c = 0; c < 3; ++c)
     if (emitted[c] > 0)
-      worst = std::max(worst, std::abs(emitted[c] - absorbed[c] - scattered[c] - escaped[c] - received[c] - cutOff[c]) / emitted[c]);
+      worst = std::max(worst, std::abs(emitted[c] - absorbed[c] - scattered[c] - escaped[c] - received[c] - cutOff[c]) /
+                                  emitted[c]);
   return worst;
 }
 

@@ -45,14 +45,15 @@ void traceRay(TracedRay& ray, const kernels::FlatMedium& medium, const kernels::
 
 } // namespace
 
-void traceRays(const Medium& medium, std::span<TracedRay> rays, const StepFieldOptions& stepField, const PhotonOptions& options,
-               const RunContext& ctx) {
+void traceRays(const Medium& medium, std::span<TracedRay> rays, const StepFieldOptions& stepField,
+               const PhotonOptions& options, const RunContext& ctx) {
   const FlatMediumStorage flat = flattenMedium(medium, stepField, ctx);
   for (std::size_t i = 0; i < rays.size(); ++i)
     if (!kernels::insideBox(flat.dims, Float3(toGrid(medium.domain(), rays[i].position))))
       throw Error(ErrorKind::Usage, "rays[" + std::to_string(i) + "]: starts outside the domain's box");
   parallelFor(static_cast<std::int64_t>(rays.size()), 16, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t i = begin; i < end; ++i) traceRay(rays[i], flat.view(), marchRules(options), medium.domain(), options.maxSteps);
+    for (std::int64_t i = begin; i < end; ++i)
+      traceRay(rays[i], flat.view(), marchRules(options), medium.domain(), options.maxSteps);
   });
 }
 

@@ -21,7 +21,8 @@ bool uniformNeighbourhood(const BrickGrid<Vec3f>& field, std::int64_t b) {
 }
 
 Vec3f blend(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-  return {0.25f * (a[0] + c[0]) + 0.5f * b[0], 0.25f * (a[1] + c[1]) + 0.5f * b[1], 0.25f * (a[2] + c[2]) + 0.5f * b[2]};
+  return {0.25f * (a[0] + c[0]) + 0.5f * b[0], 0.25f * (a[1] + c[1]) + 0.5f * b[1],
+          0.25f * (a[2] + c[2]) + 0.5f * b[2]};
 }
 
 /// The three passes over one brick, each shrinking the block by one voxel on both sides of its axis.
@@ -31,7 +32,8 @@ public:
     gather(field, brick);
     for (int x = 0; x < 8; ++x)
       for (int y = 0; y < kBlock; ++y)
-        for (int z = 0; z < kBlock; ++z) mAfterX[(x * kBlock + y) * kBlock + z] = blend(in(x, y, z), in(x + 1, y, z), in(x + 2, y, z));
+        for (int z = 0; z < kBlock; ++z)
+          mAfterX[(x * kBlock + y) * kBlock + z] = blend(in(x, y, z), in(x + 1, y, z), in(x + 2, y, z));
     for (int x = 0; x < 8; ++x)
       for (int y = 0; y < 8; ++y)
         for (int z = 0; z < kBlock; ++z) {
@@ -51,7 +53,8 @@ private:
     for (int x = 0; x < kBlock; ++x)
       for (int y = 0; y < kBlock; ++y)
         for (int z = 0; z < kBlock; ++z)
-          mIn[(x * kBlock + y) * kBlock + z] = field.clamped(brick[0] * 8 + x - 1, brick[1] * 8 + y - 1, brick[2] * 8 + z - 1);
+          mIn[(x * kBlock + y) * kBlock + z] =
+              field.clamped(brick[0] * 8 + x - 1, brick[1] * 8 + y - 1, brick[2] * 8 + z - 1);
   }
   [[nodiscard]] const Vec3f& in(int x, int y, int z) const { return mIn[(x * kBlock + y) * kBlock + z]; }
 
@@ -78,7 +81,8 @@ BrickGrid<Vec3f> smoothed(const BrickGrid<Vec3f>& field, const RunContext& ctx) 
   result.activate(bricks);
   parallelFor(static_cast<std::int64_t>(bricks.size()), 16, ctx, [&](std::int64_t begin, std::int64_t end, int) {
     BrickSmoother smoother;
-    for (std::int64_t i = begin; i < end; ++i) smoother.run(field, field.brickCoord(bricks[i]), result.voxels(bricks[i]));
+    for (std::int64_t i = begin; i < end; ++i)
+      smoother.run(field, field.brickCoord(bricks[i]), result.voxels(bricks[i]));
   });
   return result;
 }

@@ -35,9 +35,11 @@ Float3 rgb(const Rgb& c) { return {static_cast<float>(c[0]), static_cast<float>(
 void check(const Camera& c, const ViewOptions& o) {
   if (c.resolution[0] < 1 || c.resolution[1] < 1 || c.resolution[0] > 32768 || c.resolution[1] > 32768)
     throw Error(ErrorKind::Usage, "camera.resolution: width and height must be from 1 to 32768 pixels");
-  if (!(c.fieldOfView > 0 && c.fieldOfView < 180)) throw Error(ErrorKind::Usage, "camera.fieldOfView: must be above 0 and below 180 degrees");
+  if (!(c.fieldOfView > 0 && c.fieldOfView < 180))
+    throw Error(ErrorKind::Usage, "camera.fieldOfView: must be above 0 and below 180 degrees");
   const Double3 forward = vec(c.target) - vec(c.position);
-  if (!(kernels::length(forward) > 0)) throw Error(ErrorKind::Usage, "camera.target: is the camera's position; look somewhere else");
+  if (!(kernels::length(forward) > 0))
+    throw Error(ErrorKind::Usage, "camera.target: is the camera's position; look somewhere else");
   if (!(kernels::length(kernels::cross(forward, vec(c.up))) > 1e-9 * kernels::length(forward)))
     throw Error(ErrorKind::Usage, "camera.up: is parallel to the viewing direction; choose another");
   if (!(o.step > 0)) throw Error(ErrorKind::Usage, "view.step: must be above 0");
@@ -51,17 +53,25 @@ kernels::CameraFrame cameraFrame(const Camera& c, const Domain& domain) {
   const Double3 up = kernels::cross(right, forward);
   const double halfHeight = std::tan(0.5 * c.fieldOfView * kDegree);
   const double halfWidth = halfHeight * c.resolution[0] / c.resolution[1];
-  return {toGrid(domain, c.position), forward - right * halfWidth + up * halfHeight, right * (2 * halfWidth), up * (-2 * halfHeight),
-          c.resolution[0], c.resolution[1]};
+  return {toGrid(domain, c.position),
+          forward - right * halfWidth + up * halfHeight,
+          right * (2 * halfWidth),
+          up * (-2 * halfHeight),
+          c.resolution[0],
+          c.resolution[1]};
 }
 
 kernels::SparseField sparseField(const BrickGrid<Vec3f>& g) {
   const auto floats = [](std::span<const Vec3f> s) { return s.empty() ? nullptr : s.data()->data(); };
-  return {{g.dims()[0], g.dims()[1], g.dims()[2]}, {g.brickDims()[0], g.brickDims()[1], g.brickDims()[2]}, g.slots().data(),
-          floats(g.constants()), floats(g.storage())};
+  return {{g.dims()[0], g.dims()[1], g.dims()[2]},
+          {g.brickDims()[0], g.brickDims()[1], g.brickDims()[2]},
+          g.slots().data(),
+          floats(g.constants()),
+          floats(g.storage())};
 }
 
-kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOptions& o, double cameraIndex, double ambientIndex) {
+kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOptions& o, double cameraIndex,
+                             double ambientIndex) {
   kernels::ViewRules r;
   r.step = static_cast<float>(o.step);
   r.samples = o.samples;
@@ -77,8 +87,7 @@ kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOpt
 /// Writes a colour into the planes NAME.R, NAME.G and NAME.B.
 class Layer {
 public:
-  Layer(Image& image, const std::string& prefix)
-      : mFirst(image.channels.size()), mImage(image) {
+  Layer(Image& image, const std::string& prefix) : mFirst(image.channels.size()), mImage(image) {
     for (const char* c : {"R", "G", "B"}) image.add(prefix + c);
   }
   void set(std::size_t pixel, const Float3& v) {
@@ -97,7 +106,8 @@ Image toImage(std::span<const kernels::PixelSum> pixels, const Camera& camera, d
   Layer beauty(image, "");
   const std::size_t alpha = image.channels.size();
   image.add("A");
-  Layer caustic(image, "caustic."), direct(image, "direct."), background(image, "background."), transmittance(image, "transmittance.");
+  Layer caustic(image, "caustic."), direct(image, "direct."), background(image, "background."),
+      transmittance(image, "transmittance.");
   const std::size_t depth = image.channels.size();
   image.add("depth.Z");
   image.add("steps.Y");
@@ -109,7 +119,8 @@ Image toImage(std::span<const kernels::PixelSum> pixels, const Camera& camera, d
     direct.set(i, p.direct);
     background.set(i, p.background);
     transmittance.set(i, p.transmittance);
-    image.planes[depth][i] = p.depth < 1e38f ? p.depth * static_cast<float>(voxelSize) : std::numeric_limits<float>::infinity();
+    image.planes[depth][i] =
+        p.depth < 1e38f ? p.depth * static_cast<float>(voxelSize) : std::numeric_limits<float>::infinity();
     image.planes[depth + 1][i] = p.steps;
   }
   return image;
@@ -117,11 +128,13 @@ Image toImage(std::span<const kernels::PixelSum> pixels, const Camera& camera, d
 
 } // namespace
 
-ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance, const Camera& camera,
-                      const Background& background, const ViewOptions& options, const RunContext& ctx) {
+ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance,
+                      const Camera& camera, const Background& background, const ViewOptions& options,
+                      const RunContext& ctx) {
   check(camera, options);
   const std::int64_t count = std::int64_t{camera.resolution[0]} * camera.resolution[1];
-  ctx.requireMemory(static_cast<std::uint64_t>(count) * (sizeof(kernels::PixelSum) + 18 * sizeof(float)), "camera.resolution");
+  ctx.requireMemory(static_cast<std::uint64_t>(count) * (sizeof(kernels::PixelSum) + 18 * sizeof(float)),
+                    "camera.resolution");
   const kernels::CameraFrame frame = cameraFrame(camera, medium.domain());
   const double ambient = medium.ambient().index;
   const Float3 eye(frame.origin);
@@ -130,8 +143,13 @@ ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const
   std::vector<kernels::PixelSum> pixels(count);
   std::vector<CountingSink> sinks(threadCount(ctx));
   const RadianceBricks& light = radiance.bricks();
-  const kernels::ViewBody<CountingSink> body{flat.view(), sparseField(light.direct), sparseField(light.caustic), sparseField(light.direction),
-                                             frame, viewRules(camera, background, options, cameraIndex, ambient), pixels.data()};
+  const kernels::ViewBody<CountingSink> body{flat.view(),
+                                             sparseField(light.direct),
+                                             sparseField(light.caustic),
+                                             sparseField(light.direction),
+                                             frame,
+                                             viewRules(camera, background, options, cameraIndex, ambient),
+                                             pixels.data()};
   launchCpu(count, kPixelGrain, ctx, "view", body, std::span(sinks));
 
   ViewResult result;
@@ -144,8 +162,9 @@ ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const
   return result;
 }
 
-ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera, const Background& background,
-                      const StepFieldOptions& stepField, const ViewOptions& options, const RunContext& ctx) {
+ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
+                      const Background& background, const StepFieldOptions& stepField, const ViewOptions& options,
+                      const RunContext& ctx) {
   return renderView(medium, flattenMedium(medium, stepField, ctx), radiance, camera, background, options, ctx);
 }
 

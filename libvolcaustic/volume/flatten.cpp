@@ -18,12 +18,12 @@ using kernels::Float3;
 using kernels::Int3;
 using kernels::Optics;
 
-// Changes of n under this between voxels are rounding, not refraction: a ray that meets it all along 256 voxels turns by
-// 0.015 degrees.
+// Changes of n under this between voxels are rounding, not refraction: a ray that meets it all along 256 voxels turns
+// by 0.015 degrees.
 constexpr float kFlat = 1e-6f;
 
-/// n over a brick and its surroundings. Beyond the domain's faces n goes on as it came (odd reflection about the face's voxel), so
-/// that a gradient across the box stays what it is up to the face.
+/// n over a brick and its surroundings. Beyond the domain's faces n goes on as it came (odd reflection about the face's
+/// voxel), so that a gradient across the box stays what it is up to the face.
 constexpr int kLow = 3, kHigh = 4, kBlock = kBrickSize + kLow + kHigh;
 class IndexBlock {
 public:
@@ -36,7 +36,9 @@ public:
         }
   }
   /// Coordinates relative to the brick, from -3 to 11.
-  [[nodiscard]] float at(int x, int y, int z) const { return mValues[((x + kLow) * kBlock + y + kLow) * kBlock + z + kLow]; }
+  [[nodiscard]] float at(int x, int y, int z) const {
+    return mValues[((x + kLow) * kBlock + y + kLow) * kBlock + z + kLow];
+  }
   [[nodiscard]] const float* data() const { return mValues.data(); }
   [[nodiscard]] bool flat() const {
     const auto [low, high] = std::minmax_element(mValues.begin(), mValues.end());
@@ -62,9 +64,10 @@ private:
 
 /// Turns samples of n into what trilinear interpolation should be given (docs/algorithms/step_field.md, "Field").
 ///
-/// Between samples f, linear interpolation lies above a convex function by h^2 f''/12 on average. Taking that off the samples,
-/// f - (second difference)/12 along each axis, leaves an error that alternates in sign along a path instead of adding up. The
-/// gradient is the central difference of fourth order, (8 (f1 - f-1) - (f2 - f-2))/12, treated in the same way.
+/// Between samples f, linear interpolation lies above a convex function by h^2 f''/12 on average. Taking that off the
+/// samples, f - (second difference)/12 along each axis, leaves an error that alternates in sign along a path instead of
+/// adding up. The gradient is the central difference of fourth order, (8 (f1 - f-1) - (f2 - f-2))/12, treated in the
+/// same way.
 class FieldFilter {
 public:
   void run(const IndexBlock& block, FieldVoxel* out) {
@@ -75,8 +78,8 @@ public:
   }
 
 private:
-  /// One tap at p[0] from p[-3 stride] to p[3 stride]. Written in differences, so that a constant gives itself and a slope of
-  /// exactly zero.
+  /// One tap at p[0] from p[-3 stride] to p[3 stride]. Written in differences, so that a constant gives itself and a
+  /// slope of exactly zero.
   using Tap = float (*)(const float* p, int stride);
   static float value(const float* p, int s) { return p[0] - ((p[s] - p[0]) + (p[-s] - p[0])) * (1 / 12.f); }
   static float slope(const float* p, int s) {
@@ -87,7 +90,8 @@ private:
 
   void apply(const IndexBlock& block, const std::array<Tap, 3>& taps, FieldVoxel* out, float FieldVoxel::*member) {
     for (int x = 0; x < kEdge; ++x)
-      for (int yz = 0; yz < kPlane; ++yz) mAfterX[x * kPlane + yz] = taps[0](block.data() + (x + kLow) * kPlane + yz, kPlane);
+      for (int yz = 0; yz < kPlane; ++yz)
+        mAfterX[x * kPlane + yz] = taps[0](block.data() + (x + kLow) * kPlane + yz, kPlane);
     for (int x = 0; x < kEdge; ++x)
       for (int y = 0; y < kEdge; ++y)
         for (int z = 0; z < kBlock; ++z)
@@ -103,12 +107,15 @@ private:
 class Flattener {
 public:
   Flattener(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx)
-      : mDomain(medium.domain()), mCtx(ctx), mIndex(fromFloatGrid(*medium.grids().index, mDomain.dims, ctx)),
-        mAttenuation(fromVec3Grid(*medium.grids().attenuation, mDomain.dims, ctx)),
-        mScattering(fromVec3Grid(*medium.grids().scattering, mDomain.dims, ctx)),
-        mAsymmetry(medium.grids().asymmetry ? fromFloatGrid(*medium.grids().asymmetry, mDomain.dims, ctx)
-                                            : BrickGrid<float>(mDomain.dims, static_cast<float>(medium.ambient().asymmetry))),
-        mSteps(stepFieldGrid(medium, options, ctx)) {
+      : mDomain(medium.domain())
+      , mCtx(ctx)
+      , mIndex(fromFloatGrid(*medium.grids().index, mDomain.dims, ctx))
+      , mAttenuation(fromVec3Grid(*medium.grids().attenuation, mDomain.dims, ctx))
+      , mScattering(fromVec3Grid(*medium.grids().scattering, mDomain.dims, ctx))
+      , mAsymmetry(medium.grids().asymmetry
+                       ? fromFloatGrid(*medium.grids().asymmetry, mDomain.dims, ctx)
+                       : BrickGrid<float>(mDomain.dims, static_cast<float>(medium.ambient().asymmetry)))
+      , mSteps(stepFieldGrid(medium, options, ctx)) {
     const Vec3i& bricks = mIndex.brickDims();
     mOut.dims = {mDomain.dims[0], mDomain.dims[1], mDomain.dims[2]};
     mOut.brickDims = {bricks[0], bricks[1], bricks[2]};
@@ -200,8 +207,9 @@ private:
       for (int y = 0; y < 8; ++y)
         for (int z = 0; z < 8; ++z) {
           const int i = brickOffset(x, y, z);
-          const std::uint32_t optics = record.optics < 0 ? static_cast<std::uint32_t>(record.constantOptics)
-                                                         : mOut.voxelOptics[std::size_t(record.optics) * kernels::kStepVoxels + i];
+          const std::uint32_t optics = record.optics < 0
+                                           ? static_cast<std::uint32_t>(record.constantOptics)
+                                           : mOut.voxelOptics[std::size_t(record.optics) * kernels::kStepVoxels + i];
           const bool bends = optics != 0 || (record.field >= 0 && touchesCurved(curved, x, y, z));
           out[i] = stepByte(labels.getValue(origin.offsetBy(x, y, z)), bends);
           record.bends = record.bends || bends;
@@ -247,7 +255,9 @@ private:
         continue;
       }
       record.optics = static_cast<std::int32_t>(mOut.voxelOptics.size() / kernels::kStepVoxels);
-      const auto value = [b](const auto& grid, int i) { return grid.isConstant(b) ? grid.constant(b) : grid.voxels(b)[i]; };
+      const auto value = [b](const auto& grid, int i) {
+        return grid.isConstant(b) ? grid.constant(b) : grid.voxels(b)[i];
+      };
       for (int i = 0; i < kBrickVoxels; ++i)
         mOut.voxelOptics.push_back(paletteEntry(value(mAttenuation, i), value(mScattering, i), value(mAsymmetry, i)));
     }

@@ -22,8 +22,8 @@ struct FlatMediumStorage {
   [[nodiscard]] std::size_t memoryBytes() const;
 };
 
-/// Builds the step field of the medium (docs/algorithms/step_field.md) and packs both for the kernels. Coefficients are turned
-/// to 1/voxel, gradients to 1/voxel; asymmetry comes with the optics.
+/// Builds the step field of the medium (docs/algorithms/step_field.md) and packs both for the kernels. Coefficients are
+/// turned to 1/voxel, gradients to 1/voxel; asymmetry comes with the optics.
 FlatMediumStorage flattenMedium(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx);
 
 } // namespace volcaustic

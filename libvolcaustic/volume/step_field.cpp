@@ -1,6 +1,7 @@
 // The step field: for every voxel the largest aligned cube of 2^m voxels in which n and attenuation hardly change
-// (Vyatkin and Dolgovesov, "Volume-oriented visualization of caustics ...", section 2), kept in a VDB tree whose nodes are
-// the octree's cubes where the two agree (section 3). The pyramid of minima and maxima lives only while labels are made.
+// (Vyatkin and Dolgovesov, "Volume-oriented visualization of caustics ...", section 2), kept in a VDB tree whose nodes
+// are the octree's cubes where the two agree (section 3). The pyramid of minima and maxima lives only while labels are
+// made.
 
 #include "core/parallel.h"
 #include "volcaustic/error.h"
@@ -47,9 +48,11 @@ enum class Steps { Fine, Capped, Free };
 class StepFieldBuilder {
 public:
   StepFieldBuilder(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx)
-      : mDomain(medium.domain()), mOptions(options), mCtx(ctx),
-        mIndex(fromFloatGrid(*medium.grids().index, mDomain.dims, ctx)),
-        mAttenuation(fromVec3Grid(*medium.grids().attenuation, mDomain.dims, ctx)) {}
+      : mDomain(medium.domain())
+      , mOptions(options)
+      , mCtx(ctx)
+      , mIndex(fromFloatGrid(*medium.grids().index, mDomain.dims, ctx))
+      , mAttenuation(fromVec3Grid(*medium.grids().attenuation, mDomain.dims, ctx)) {}
 
   openvdb::Int32Grid::Ptr build() {
     buildPyramid();
@@ -61,7 +64,9 @@ private:
   struct Level {
     Vec3i dims;
     std::vector<Range> cubes;
-    [[nodiscard]] const Range& at(int x, int y, int z) const { return cubes[(std::size_t(x) * dims[1] + y) * dims[2] + z]; }
+    [[nodiscard]] const Range& at(int x, int y, int z) const {
+      return cubes[(std::size_t(x) * dims[1] + y) * dims[2] + z];
+    }
   };
 
   [[nodiscard]] Steps classify(const Range& r) const {
@@ -88,7 +93,8 @@ private:
     Range r = Range::empty();
     for (int x = origin[0] - 1; x <= origin[0] + size; ++x)
       for (int y = origin[1] - 1; y <= origin[1] + size; ++y)
-        for (int z = origin[2] - 1; z <= origin[2] + size; ++z) r.add(mIndex.clamped(x, y, z), mAttenuation.clamped(x, y, z));
+        for (int z = origin[2] - 1; z <= origin[2] + size; ++z)
+          r.add(mIndex.clamped(x, y, z), mAttenuation.clamped(x, y, z));
     return r;
   }
 
@@ -190,7 +196,8 @@ private:
 
 openvdb::Int32Grid::Ptr stepFieldGrid(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx) {
   if (options.indexTolerance > options.indexTolerance2)
-    throw Error(ErrorKind::Usage, "stepField: indexTolerance is above indexTolerance2; the first is the tighter of the two");
+    throw Error(ErrorKind::Usage,
+                "stepField: indexTolerance is above indexTolerance2; the first is the tighter of the two");
   return StepFieldBuilder(medium, options, ctx).build();
 }
 

@@ -1,4 +1,5 @@
-// The stages of a frame at the size of the paper's table: 256^3 voxels, a ball of 90, 1024^2 photons, 1024 x 768 pixels.
+// The stages of a frame at the size of the paper's table: 256^3 voxels, a ball of 90, 1024^2 photons, 1024 x 768
+// pixels.
 //   build/bench/bin/bench_stages [--benchmark_filter=Photons]
 
 #include "support/fields.h"

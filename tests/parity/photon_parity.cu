@@ -52,8 +52,7 @@ void launch(std::int64_t n, const Body& body, const AtomicSink& sink) {
 template <class T>
 class DeviceArray {
 public:
-  explicit DeviceArray(const std::vector<T>& values)
-      : mSize(values.size()) {
+  explicit DeviceArray(const std::vector<T>& values) : mSize(values.size()) {
     cudaMalloc(&mData, std::max<std::size_t>(mSize, 1) * sizeof(T));
     cudaMemcpy(mData, values.data(), mSize * sizeof(T), cudaMemcpyHostToDevice);
   }
@@ -96,7 +95,8 @@ TEST(Parity, CausticFluenceOnTheGpuIsTheCpus) {
   const DeviceArray steps(host.steps);
   const DeviceArray voxelOptics(host.voxelOptics);
   const DeviceArray optics(host.optics);
-  const FlatMedium flat{host.dims, host.brickDims, bricks.data(), fields.data(), steps.data(), voxelOptics.data(), optics.data(), host.cap};
+  const FlatMedium flat{host.dims,    host.brickDims,     bricks.data(), fields.data(),
+                        steps.data(), voxelOptics.data(), optics.data(), host.cap};
   const EmissionFrame frame = emissionFrames(sun, 0, medium.domain(), options, 0).front();
   const DeviceArray<float> entry(std::vector<float>(frame.cells()));
   const DeviceArray<unsigned long long> sums(std::vector<unsigned long long>(std::size_t{3} * n * n * n));
@@ -111,7 +111,8 @@ TEST(Parity, CausticFluenceOnTheGpuIsTheCpus) {
   const DeviceArray list(cells);
   PhotonRules rules;
   rules.march = marchRules(options);
-  launch(static_cast<std::int64_t>(cells.size()), PhotonBody<AtomicSink>{flat, frame, entry.data(), list.data(), rules}, sink);
+  launch(static_cast<std::int64_t>(cells.size()), PhotonBody<AtomicSink>{flat, frame, entry.data(), list.data(), rules},
+         sink);
 
   const std::vector<unsigned long long> gpu = download(sums);
   double difference = 0, total = 0;

@@ -71,8 +71,8 @@ TEST_P(RayTable, ExitsWithinBoundsAt256) {
   const Errors e = run(GetParam().name, readCsv(path), 256, everyVoxel);
   RecordProperty("position_voxels_rms", std::to_string(e.position));
   RecordProperty("direction_degrees_rms", std::to_string(e.direction));
-  std::printf("  %-16s position %.4f voxel rms, direction %.4f degrees rms, |v|-n %.2e rms\n", GetParam().name, e.position,
-              e.direction, e.momentum);
+  std::printf("  %-16s position %.4f voxel rms, direction %.4f degrees rms, |v|-n %.2e rms\n", GetParam().name,
+              e.position, e.direction, e.momentum);
   EXPECT_LE(e.position, GetParam().positionBound);
   EXPECT_LE(e.direction, GetParam().directionBound);
   EXPECT_LE(e.momentum, std::string(GetParam().name) == "smooth_sphere" ? 1e-2 : 1e-3);
@@ -87,12 +87,14 @@ TEST(StepField, DefaultStepsStayNearTheTables) {
   }
 }
 
-// Luneburg's rim ray meets the kink of n at grazing incidence (0.18 voxel; the others 0.03 rms). Three rays of smooth_sphere
-// graze a skin of five voxels and multiply its sampling error; docs/performance.md has the figures ray by ray.
+// Luneburg's rim ray meets the kink of n at grazing incidence (0.18 voxel; the others 0.03 rms). Three rays of
+// smooth_sphere graze a skin of five voxels and multiply its sampling error; docs/performance.md has the figures ray by
+// ray.
 INSTANTIATE_TEST_SUITE_P(Reference, RayTable,
                          testing::Values(Case{"luneburg", .07, .1}, Case{"linear", .05, .1}, Case{"linear_n2", .05, .1},
-                                         Case{"slab", .05, .1}, Case{"mirage_exp", .05, .1}, Case{"mirage_linear", .05, .1},
-                                         Case{"smooth_sphere", 2, .6}, Case{"fibre", .2, .2}, Case{"maxwell_fisheye", .1, .1}),
+                                         Case{"slab", .05, .1}, Case{"mirage_exp", .05, .1},
+                                         Case{"mirage_linear", .05, .1}, Case{"smooth_sphere", 2, .6},
+                                         Case{"fibre", .2, .2}, Case{"maxwell_fisheye", .1, .1}),
                          [](const auto& instance) { return instance.param.name; });
 
 // In a field whose samples are exact for the interpolation (linear n), only the scheme's own error is left.
@@ -124,7 +126,8 @@ TEST(Luneburg, ParallelRaysMeetOnTheFarSurface) {
     rays.push_back(r);
   }
   traceRays(medium, rays);
-  // Beyond the focus (.5, .5, .1) the exit direction is -(entry - centre)/R: walk back from the exit to the focal plane.
+  // Beyond the focus (.5, .5, .1) the exit direction is -(entry - centre)/R: walk back from the exit to the focal
+  // plane.
   for (const TracedRay& r : rays) {
     const double back = (.1 - r.position[2]) / r.direction[2];
     EXPECT_NEAR(r.position[0] + back * r.direction[0], .5, .1 / 128) << "entered at " << r.position[0];

@@ -1,5 +1,5 @@
-// Fluence behind glass bodies against ground truth made by exact ray and surface intersection (reference/README.md). The
-// reference bodies are sharp, ours are voxelised; the difference has to shrink with the voxel.
+// Fluence behind glass bodies against ground truth made by exact ray and surface intersection (reference/README.md).
+// The reference bodies are sharp, ours are voxelised; the difference has to shrink with the voxel.
 
 #include "support/csv.h"
 #include "support/fields.h"
@@ -26,8 +26,8 @@ const Glass kBall15{"sphere15_nofresnel", {.5, .5, .65}, {.3, .3, .3}, 1.5};
 const Glass kBall11{"sphere11_nofresnel", {.5, .5, .65}, {.3, .3, .3}, 1.1};
 const Glass kOblate{"elloblate_nofresnel", {.5, .5, .83}, {.3, .3, .15}, 1.5};
 
-/// What follows a sharp surface best at these sizes: 8x8x8 sub-voxels, so that normals are true to a few hundredths of a
-/// degree, and the narrowest Gaussian that a voxel's step can follow (docs/performance.md).
+/// What follows a sharp surface best at these sizes: 8x8x8 sub-voxels, so that normals are true to a few hundredths of
+/// a degree, and the narrowest Gaussian that a voxel's step can follow (docs/performance.md).
 VoxeliseOptions sharpest() {
   VoxeliseOptions o;
   o.supersample = 8;
@@ -57,7 +57,8 @@ std::vector<double> reduced(const RadianceVolume& v) {
   std::vector<double> out(kReference * kReference * kReference);
   for (int x = 0; x < n; ++x)
     for (int y = 0; y < n; ++y)
-      for (int z = 0; z < n; ++z) out[(x / block * kReference + y / block) * kReference + z / block] += v.fluence({x, y, z})[0];
+      for (int z = 0; z < n; ++z)
+        out[(x / block * kReference + y / block) * kReference + z / block] += v.fluence({x, y, z})[0];
   for (double& o : out) o /= block * block * block;
   return out;
 }
@@ -83,7 +84,8 @@ Comparison compare(const std::vector<double>& ours, const std::vector<float>& tr
               high = std::max(high, at(x + i, y + j, z + k));
             }
         const double t = at(x, y, z);
-        if (t > .01 && high - low < .1 * t) errors.push_back(std::abs(ours[(x * kReference + y) * kReference + z] - t) / t);
+        if (t > .01 && high - low < .1 * t)
+          errors.push_back(std::abs(ours[(x * kReference + y) * kReference + z] - t) / t);
       }
   std::sort(errors.begin(), errors.end());
   Comparison c;
@@ -102,12 +104,13 @@ TEST_P(ReferenceVolume, SmoothPartsAndTotalAgreeAt256) {
   VOLCAUSTIC_NEED_SHARED(path);
   EnergyBalance balance;
   const Comparison c = compare(reduced(trace(GetParam(), 256, 2048, &balance)), readNpy(path, 64 * 64 * 64));
-  std::printf("  %s: median %.3f %%, 90 %% under %.3f %% of %d smooth voxels, total fluence ratio %.5f, imbalance %.1e\n",
-              GetParam().name, 100 * c.median, 100 * c.percentile90, c.voxels, c.meanRatio, balance.relativeImbalance());
+  std::printf(
+      "  %s: median %.3f %%, 90 %% under %.3f %% of %d smooth voxels, total fluence ratio %.5f, imbalance %.1e\n",
+      GetParam().name, 100 * c.median, 100 * c.percentile90, c.voxels, c.meanRatio, balance.relativeImbalance());
   EXPECT_GT(c.voxels, 20000);
   EXPECT_LE(c.median, .01);
-  // All power that enters the unit cube's lid leaves the cube. Its path is a percent or two longer than in the sharp bodies:
-  // what meets the rim travels along the soft skin and comes out at wide angles.
+  // All power that enters the unit cube's lid leaves the cube. Its path is a percent or two longer than in the sharp
+  // bodies: what meets the rim travels along the soft skin and comes out at wide angles.
   EXPECT_NEAR(balance.emitted[0], 1, .002);
   EXPECT_NEAR(balance.escaped[0], balance.emitted[0], .002);
   EXPECT_LE(balance.relativeImbalance(), 1e-4);
@@ -133,8 +136,8 @@ TEST(BallLens, AxisProfileAndFocusAt256) {
   const auto ours = axisProfile(trace(kBall15, 256, 2048));
   const auto& exact = t.at("exact_2x2_256");
   ASSERT_EQ(exact.size(), ours.size());
-  // Behind the ball, outside its skin and two voxels of the paraxial focus. Inside it the axis also gathers the rays that a
-  // soft skin carries around its rim: little power, but from all sides at once (docs/performance.md).
+  // Behind the ball, outside its skin and two voxels of the paraxial focus. Inside it the axis also gathers the rays
+  // that a soft skin carries around its rim: little power, but from all sides at once (docs/performance.md).
   std::vector<double> errors;
   double largest = 0, whereLargest = 0;
   for (std::size_t i = 0; i < ours.size(); ++i) {
@@ -146,7 +149,8 @@ TEST(BallLens, AxisProfileAndFocusAt256) {
   std::sort(errors.begin(), errors.end());
   const auto peak = std::max_element(ours.begin(), ours.end()) - ours.begin();
   const auto exactPeak = std::max_element(exact.begin(), exact.end()) - exact.begin();
-  std::printf("  axis: median %.2f %%, 90 %% under %.2f %%, largest %.1f %% at t=%.3f; brightest at t=%.4f (exact %.4f), %.0f (exact %.0f)\n",
+  std::printf("  axis: median %.2f %%, 90 %% under %.2f %%, largest %.1f %% at t=%.3f; brightest at t=%.4f (exact "
+              "%.4f), %.0f (exact %.0f)\n",
               100 * errors[errors.size() / 2], 100 * errors[errors.size() * 9 / 10], 100 * largest, whereLargest,
               t.at("t")[peak], t.at("t")[exactPeak], ours[peak], exact[exactPeak]);
   EXPECT_LE(errors[errors.size() / 2], .06);

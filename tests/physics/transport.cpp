@@ -31,7 +31,8 @@ PhotonResult trace(const std::vector<Body>& bodies, const Ambient& ambient, int 
                    PhotonOptions options = {}, const RunContext& ctx = {}, int photonsPerSide = 512) {
   options.grid = {photonsPerSide, photonsPerSide};
   options.smooth = false;
-  return tracePhotons(buildMedium(bodies, ambient, unitCube(resolution), {}, ctx), std::span(&light, 1), {}, options, ctx);
+  return tracePhotons(buildMedium(bodies, ambient, unitCube(resolution), {}, ctx), std::span(&light, 1), {}, options,
+                      ctx);
 }
 
 template <class Visit>
@@ -51,7 +52,9 @@ TEST(DirectLight, IsTheIrradianceWhereNothingBends) {
     ASSERT_NEAR(f[0], 2, 2e-6);
     ASSERT_NEAR(f[1], 3, 3e-6);
     ASSERT_NEAR(f[2], 5, 5e-6);
-    ASSERT_NEAR(std::hypot(result.radiance.direction(v)[0], result.radiance.direction(v)[1], result.radiance.direction(v)[2]), 1, 1e-5);
+    ASSERT_NEAR(
+        std::hypot(result.radiance.direction(v)[0], result.radiance.direction(v)[1], result.radiance.direction(v)[2]),
+        1, 1e-5);
   });
 }
 
@@ -160,7 +163,8 @@ TEST(PointLight, FluenceFallsWithTheSquareAndPowerIsSolidAngle) {
     lamp.intensity = {3, 3, 3};
     const auto result = trace({}, {}, 32, lamp);
     forVoxels(result.radiance, [&](const Vec3i& v) {
-      const double r = distanceTo({(v[0] + .5) / 32, (v[1] + .5) / 32, (v[2] + .5) / 32}, position[0], position[1], position[2]);
+      const double r =
+          distanceTo({(v[0] + .5) / 32, (v[1] + .5) / 32, (v[2] + .5) / 32}, position[0], position[1], position[2]);
       if (r < 2.0 / 32) return;
       ASSERT_NEAR(result.radiance.fluence(v)[0] * r * r, 3, .01) << v[0] << ' ' << v[1] << ' ' << v[2];
     });
@@ -182,7 +186,8 @@ TEST(PointLight, TracedAndDirectLightCoverEachVoxelOnce) {
     const auto result = trace({ghost}, {}, 32, lamp, {}, {}, 2048);
     EXPECT_GT(result.balance.photonsTraced, 10000);
     forVoxels(result.radiance, [&](const Vec3i& v) {
-      const double r = distanceTo({(v[0] + .5) / 32, (v[1] + .5) / 32, (v[2] + .5) / 32}, position[0], position[1], position[2]);
+      const double r =
+          distanceTo({(v[0] + .5) / 32, (v[1] + .5) / 32, (v[2] + .5) / 32}, position[0], position[1], position[2]);
       if (r < 4.0 / 32) return;
       ASSERT_NEAR(result.radiance.fluence(v)[0] * r * r, 1, .06) << v[0] << ' ' << v[1] << ' ' << v[2];
     });
@@ -199,7 +204,8 @@ TEST(SameBits, WhateverTheNumberOfThreads) {
   RunContext one, two;
   one.threads = 1;
   two.threads = 2;
-  const auto a = trace({body}, {}, 64, sun({.1, .2, -1}), options, one), b = trace({body}, {}, 64, sun({.1, .2, -1}), options, two);
+  const auto a = trace({body}, {}, 64, sun({.1, .2, -1}), options, one),
+             b = trace({body}, {}, 64, sun({.1, .2, -1}), options, two);
   forVoxels(a.radiance, [&](const Vec3i& v) {
     ASSERT_EQ(a.radiance.fluence(v), b.radiance.fluence(v));
     ASSERT_EQ(a.radiance.direction(v), b.radiance.direction(v));

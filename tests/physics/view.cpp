@@ -1,7 +1,7 @@
 // Closed forms of the camera pass, on volumes of light filled by hand.
 
-#include "support/fields.h"
 #include "volcaustic/view.h"
+#include "support/fields.h"
 #include "volume/radiance_bricks.h"
 
 #include <cmath>
@@ -13,9 +13,11 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 /// A volume whose direct fluence and direction are functions of the voxel's centre.
-RadianceVolume lightVolume(const Domain& domain, const std::function<float(const Vec3d&)>& fluence, const Vec3f& direction) {
+RadianceVolume lightVolume(const Domain& domain, const std::function<float(const Vec3d&)>& fluence,
+                           const Vec3f& direction) {
   auto bricks = std::make_shared<RadianceBricks>();
-  for (BrickGrid<Vec3f>* g : {&bricks->direct, &bricks->caustic, &bricks->direction}) *g = BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
+  for (BrickGrid<Vec3f>* g : {&bricks->direct, &bricks->caustic, &bricks->direction})
+    *g = BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
   for (std::int64_t b = 0; b < bricks->direct.brickCount(); ++b) {
     bricks->direction.setConstant(b, direction);
     const auto voxels = bricks->direct.allocate(b);
@@ -46,8 +48,8 @@ double centre(const Image& image, const char* channel) {
 TEST(View, EmptyMediumShowsTheBackground) {
   const Domain domain = unitCube(16);
   const Medium medium = buildMedium({}, {}, domain);
-  const auto result = renderView(medium, lightVolume(domain, [](const Vec3d&) { return 1.f; }, {0, 0, -1}), cameraAlongX(),
-                                 {{1, 2, 3}, {3, 2, 1}});
+  const auto result = renderView(medium, lightVolume(domain, [](const Vec3d&) { return 1.f; }, {0, 0, -1}),
+                                 cameraAlongX(), {{1, 2, 3}, {3, 2, 1}});
   EXPECT_NEAR(centre(result.image, "R"), 2, 1e-5);
   EXPECT_NEAR(centre(result.image, "G"), 2, 1e-5);
   EXPECT_EQ(centre(result.image, "A"), 0);
@@ -63,29 +65,32 @@ TEST(View, SingleScatteringInUniformFog) {
     fog.asymmetry = g;
     const Medium medium = buildMedium({}, fog, domain);
     for (const double spread : {1.0, .5, 0.0}) {
-      // The light travels along (-1, 0, 0) on average; the camera looks along (1, 0, 0): scattered straight on into the lens.
+      // The light travels along (-1, 0, 0) on average; the camera looks along (1, 0, 0): scattered straight on into the
+      // lens.
       const auto light = lightVolume(domain, [](const Vec3d&) { return 3.f; }, {static_cast<float>(-spread), 0, 0});
       const auto image = renderView(medium, light, cameraAlongX(), {{0, 0, 0}, {0, 0, 0}}).image;
       const double e = g * spread, phase = (1 - e * e) / (4 * kPi * std::pow(1 + e * e - 2 * e, 1.5));
       for (int c = 0; c < 3; ++c) {
         const double expected = fog.scattering[c] * 3 * phase * -std::expm1(-fog.attenuation[c]) / fog.attenuation[c];
         const char* names[] = {"R", "G", "B"};
-        EXPECT_NEAR(centre(image, names[c]), expected, .01 * expected) << "g " << g << " spread " << spread << " channel " << c;
+        EXPECT_NEAR(centre(image, names[c]), expected, .01 * expected)
+            << "g " << g << " spread " << spread << " channel " << c;
       }
       EXPECT_NEAR(centre(image, "transmittance.R"), std::exp(-2), 1e-4);
     }
   }
 }
 
-// Furnace: in a cavity of uniform radiance, matter that only scatters cannot be seen, whatever its index; fluence in it is
-// 4 pi n^2 L. A wrong n^2 factor shows at once.
+// Furnace: in a cavity of uniform radiance, matter that only scatters cannot be seen, whatever its index; fluence in it
+// is 4 pi n^2 L. A wrong n^2 factor shows at once.
 TEST(View, FurnaceHidesARefractingScatterer) {
   const Domain domain = unitCube(64);
   Ambient fog;
   fog.attenuation = fog.scattering = {1.5, 1.5, 1.5};
   const IndexField n = [](const Vec3d& p) { return 1 + .4 * smootherStep((.4 - distanceTo(p, .5, .5, .5)) / .25); };
   const Medium medium = sampleMedium(domain, fog, n);
-  const auto light = lightVolume(domain, [&](const Vec3d& p) { return static_cast<float>(4 * kPi * 2 * n(p) * n(p)); }, {0, 0, 0});
+  const auto light =
+      lightVolume(domain, [&](const Vec3d& p) { return static_cast<float>(4 * kPi * 2 * n(p) * n(p)); }, {0, 0, 0});
   Camera camera = cameraAlongX(33);
   camera.fieldOfView = 14;
   const auto image = renderView(medium, light, camera, {{2, 2, 2}, {2, 2, 2}}).image;
@@ -105,14 +110,20 @@ TEST(View, EmissionInsideADenseMediumIsDimmedByIndexSquared) {
   EXPECT_NEAR(b / a, 1 / 2.25, 1e-3);
 }
 
-// A ball lens turns what is behind it upside down: looking along x, a background gradient along z is reversed in its middle.
+// A ball lens turns what is behind it upside down: looking along x, a background gradient along z is reversed in its
+// middle.
 TEST(View, BallLensInvertsTheBackground) {
   const Domain domain = unitCube(96);
-  const Medium medium = sampleMedium(domain, {}, [](const Vec3d& p) { return 1 + .5 * smootherStep((.4 - distanceTo(p, .5, .5, .5)) / .06); });
+  const Medium medium = sampleMedium(
+      domain, {}, [](const Vec3d& p) { return 1 + .5 * smootherStep((.4 - distanceTo(p, .5, .5, .5)) / .06); });
   Camera camera = cameraAlongX(41);
   camera.fieldOfView = 7;
-  const auto image = renderView(medium, lightVolume(domain, [](const Vec3d&) { return 0.f; }, {0, 0, 0}), camera, {{0, 0, 0}, {1, 1, 1}}).image;
-  const auto at = [&](int row) { return image.planes[image.find("R")][static_cast<std::size_t>(row) * image.width + image.width / 2]; };
+  const auto image = renderView(medium, lightVolume(domain, [](const Vec3d&) { return 0.f; }, {0, 0, 0}), camera,
+                                {{0, 0, 0}, {1, 1, 1}})
+                         .image;
+  const auto at = [&](int row) {
+    return image.planes[image.find("R")][static_cast<std::size_t>(row) * image.width + image.width / 2];
+  };
   EXPECT_GT(at(26), at(20));
   EXPECT_GT(at(20), at(14));
   EXPECT_LT(std::abs(at(20) - .5f), .02);
@@ -129,7 +140,8 @@ TEST(View, SameBitsWithOneAndTwoThreads) {
   two.threads = 2;
   ViewOptions options;
   options.samples = 2;
-  const auto a = renderView(medium, light, cameraAlongX(21), {}, {}, options, one), b = renderView(medium, light, cameraAlongX(21), {}, {}, options, two);
+  const auto a = renderView(medium, light, cameraAlongX(21), {}, {}, options, one),
+             b = renderView(medium, light, cameraAlongX(21), {}, {}, options, two);
   EXPECT_EQ(a.image.planes, b.image.planes);
   EXPECT_EQ(a.steps, b.steps);
 }

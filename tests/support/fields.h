@@ -13,7 +13,9 @@ namespace volcaustic::test {
 
 using IndexField = std::function<double(const Vec3d&)>;
 
-inline double distanceTo(const Vec3d& p, double x, double y, double z) { return std::hypot(p[0] - x, p[1] - y, p[2] - z); }
+inline double distanceTo(const Vec3d& p, double x, double y, double z) {
+  return std::hypot(p[0] - x, p[1] - y, p[2] - z);
+}
 
 /// 6u^5 - 15u^4 + 10u^3: from 0 to 1 with two continuous derivatives.
 inline double smootherStep(double u) {

@@ -18,7 +18,8 @@ inline Mesh ellipsoid(const Vec3d& centre, const Vec3d& radii, int rings) {
     for (int j = 0; j < columns; ++j) {
       const double theta = pi * i / rings, phi = 2 * pi * j / columns;
       m.positions.push_back({centre[0] + radii[0] * std::sin(theta) * std::cos(phi),
-                             centre[1] + radii[1] * std::sin(theta) * std::sin(phi), centre[2] + radii[2] * std::cos(theta)});
+                             centre[1] + radii[1] * std::sin(theta) * std::sin(phi),
+                             centre[2] + radii[2] * std::cos(theta)});
     }
   m.positions.push_back({centre[0], centre[1], centre[2] - radii[2]});
   const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(1 + (i - 1) * columns + j % columns); };

@@ -38,8 +38,7 @@ double distanceToTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
 /// Triangles by the cells that they come within `reach` of; distances up to `reach` are exact.
 class NearTriangles {
 public:
-  NearTriangles(const Mesh& mesh, double reach)
-      : mMesh(mesh), mReach(reach), mCell(4 * reach) {
+  NearTriangles(const Mesh& mesh, double reach) : mMesh(mesh), mReach(reach), mCell(4 * reach) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       Vec3d low = mesh.positions[mesh.triangles[t][0]], high = low;
       for (const auto v : mesh.triangles[t])
@@ -78,7 +77,8 @@ double farthest(const Mesh& from, const NearTriangles& to) {
   double far = 0;
   for (const auto& [a, b, c] : from.triangles) {
     const Vec3d &p = from.positions[a], &q = from.positions[b], &r = from.positions[c];
-    far = std::max({far, to.distance(p), to.distance({(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3, (p[2] + q[2] + r[2]) / 3})});
+    far = std::max({far, to.distance(p),
+                    to.distance({(p[0] + q[0] + r[0]) / 3, (p[1] + q[1] + r[1]) / 3, (p[2] + q[2] + r[2]) / 3})});
   }
   return far;
 }
@@ -97,18 +97,21 @@ TEST_P(RoundTrip, StaysWithinAVoxelAt256) {
   EXPECT_TRUE(report.closedAndConsistent());
   EXPECT_NEAR(report.signedVolume, original.signedVolume, .01 * original.signedVolume);
   const double h = domain.voxelSize;
-  const double there = farthest(*body.mesh, NearTriangles(back, 2 * h)) / h, andBack = farthest(back, NearTriangles(*body.mesh, 2 * h)) / h;
+  const double there = farthest(*body.mesh, NearTriangles(back, 2 * h)) / h,
+               andBack = farthest(back, NearTriangles(*body.mesh, 2 * h)) / h;
   std::printf("  %s: %.2f voxels from the mesh to its iso-surface, %.2f back\n", GetParam(), there, andBack);
   EXPECT_LT(there, 1);
   EXPECT_LT(andBack, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, RoundTrip,
-                         testing::Values("bunny_hr_59k.obj", "dragon_100k.obj", "igea_268k_tristrips.ply", "lucy_15k.ply", "spot_6k_binary.ply",
-                                         "torus_4k.obj", "icosphere_1k.obj"),
+                         testing::Values("bunny_hr_59k.obj", "dragon_100k.obj", "igea_268k_tristrips.ply",
+                                         "lucy_15k.ply", "spot_6k_binary.ply", "torus_4k.obj", "icosphere_1k.obj"),
                          [](const auto& instance) {
                            std::string name = instance.param;
-                           std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+                           std::replace_if(
+                               name.begin(), name.end(),
+                               [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
                            return name;
                          });
 

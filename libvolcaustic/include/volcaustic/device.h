@@ -11,10 +11,10 @@
 namespace volcaustic {
 
 struct DeviceInfo {
-  std::string id;        ///< "cpu", "cuda:0", ...; what --device takes
+  std::string id; ///< "cpu", "cuda:0", ...; what --device takes
   std::string name;
   bool usable = false;
-  std::string reason;    ///< why it is not usable, in a sentence
+  std::string reason; ///< why it is not usable, in a sentence
   std::uint64_t memoryBytes = 0;
   int parallelUnits = 0; ///< CPU threads, or streaming multiprocessors
 };

@@ -23,8 +23,7 @@ enum class ErrorKind {
 /// what to try, all in one line.
 class VOLCAUSTIC_API Error : public std::runtime_error {
 public:
-  Error(ErrorKind kind, const std::string& message)
-      : std::runtime_error(message), mKind(kind) {}
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), mKind(kind) {}
   [[nodiscard]] ErrorKind kind() const noexcept { return mKind; }
 
 private:

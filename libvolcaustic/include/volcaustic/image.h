@@ -28,8 +28,8 @@ struct Image {
 };
 
 struct ImageWriteOptions {
-  bool half = true;      ///< 16-bit floats in OpenEXR files; depth and step counts stay 32-bit
-  double exposure = 0;   ///< stops, applied to 8- and 16-bit integer formats only
+  bool half = true;    ///< 16-bit floats in OpenEXR files; depth and step counts stay 32-bit
+  double exposure = 0; ///< stops, applied to 8- and 16-bit integer formats only
 };
 
 /// Writes by extension: .exr keeps every channel (OpenEXR); everything else that OpenImageIO writes gets R, G and B,

@@ -19,10 +19,10 @@ namespace volcaustic {
 /// What light meets inside a body. Coefficients in 1/world, Rec. 709 linear.
 struct Material {
   std::string name = "glass";
-  double index = 1.5;          ///< refractive index n
-  Rgb attenuation{0, 0, 0};    ///< extinction coefficient: absorption + out-scattering
-  Rgb scattering{0, 0, 0};     ///< scattering coefficient, at most the attenuation
-  double asymmetry = 0;        ///< Henyey-Greenstein mean cosine g, -1 < g < 1
+  double index = 1.5;       ///< refractive index n
+  Rgb attenuation{0, 0, 0}; ///< extinction coefficient: absorption + out-scattering
+  Rgb scattering{0, 0, 0};  ///< scattering coefficient, at most the attenuation
+  double asymmetry = 0;     ///< Henyey-Greenstein mean cosine g, -1 < g < 1
 };
 
 /// The same four for everything outside the bodies.
@@ -41,16 +41,16 @@ enum class FillRule {
 };
 
 struct VoxeliseOptions {
-  int supersample = 4;            ///< sub-voxels along a voxel's edge: 1, 2, 4 or 8
-  int blur = 9;                   ///< width of the separable Gaussian on n in voxels: 1 (none), 3, 5, 7, 9 or 11
+  int supersample = 4; ///< sub-voxels along a voxel's edge: 1, 2, 4 or 8
+  int blur = 9;        ///< width of the separable Gaussian on n in voxels: 1 (none), 3, 5, 7, 9 or 11
   FillRule fill = FillRule::Auto;
 };
 
 /// Spacing of the step field: how far a ray may go where the medium hardly changes (VD section 2).
 struct StepFieldOptions {
-  double indexTolerance = 0.005;   ///< a cube whose range of n is below it is crossed in one step
-  double indexTolerance2 = 0.02;   ///< a cube whose range of n is below it is crossed in steps of at most `cap`
-  double cap = 2;                  ///< longest step in a capped cube, in voxels
+  double indexTolerance = 0.005;      ///< a cube whose range of n is below it is crossed in one step
+  double indexTolerance2 = 0.02;      ///< a cube whose range of n is below it is crossed in steps of at most `cap`
+  double cap = 2;                     ///< longest step in a capped cube, in voxels
   double attenuationTolerance = 0.01; ///< range of attenuation times voxel edge that still counts as constant
 };
 
@@ -89,10 +89,10 @@ private:
 VOLCAUSTIC_API Domain domainAround(const Box& world, int resolution, double voxelSize, int padding);
 
 /// Voxelises the bodies and blends their optics into the ambient medium (docs/algorithms/voxelise.md):
-/// coverage from supersample^3 sub-voxels near the surfaces, n = ambient + sum of coverage*(n_body - n_outside), the same
-/// blend for attenuation, scattering and asymmetry, then the Gaussian on n within the narrow band.
-/// Grids in the result: index, attenuation, scattering, coverage (summed over bodies), asymmetry where it varies.
-/// \throws Error(Input) for a body that is not finite or, with FillRule::Exact, not closed; Error(Usage) for options.
+/// coverage from supersample^3 sub-voxels near the surfaces, n = ambient + sum of coverage*(n_body - n_outside), the
+/// same blend for attenuation, scattering and asymmetry, then the Gaussian on n within the narrow band. Grids in the
+/// result: index, attenuation, scattering, coverage (summed over bodies), asymmetry where it varies. \throws
+/// Error(Input) for a body that is not finite or, with FillRule::Exact, not closed; Error(Usage) for options.
 VOLCAUSTIC_API Medium buildMedium(std::span<const Body> bodies, const Ambient& ambient, const Domain& domain,
                                   const VoxeliseOptions& options = {}, const RunContext& ctx = {});
 
@@ -102,10 +102,10 @@ VOLCAUSTIC_API Medium sampleMedium(const Domain& domain, const Ambient& ambient,
                                    const std::function<double(const Vec3d& pWorld)>& index, const RunContext& ctx = {});
 
 struct SurfaceOptions {
-  std::string grid;         ///< name; empty takes `coverage`, else the first scalar grid
-  double isovalue = 0.5;    ///< ignored where `automaticIsovalue`
+  std::string grid;              ///< name; empty takes `coverage`, else the first scalar grid
+  double isovalue = 0.5;         ///< ignored where `automaticIsovalue`
   bool automaticIsovalue = true; ///< 0.5 for fog volumes and coverage, 0 for level sets
-  double adaptivity = 0;    ///< 0 keeps every polygon, 1 merges flat regions the most
+  double adaptivity = 0;         ///< 0 keeps every polygon, 1 merges flat regions the most
 };
 
 /// Iso-surface of a scalar grid of a .vdb or .nvdb file, oriented outwards, in world space.

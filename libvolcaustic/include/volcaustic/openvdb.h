@@ -1,6 +1,6 @@
 /// \file openvdb.h
-/// The one bridge between volcaustic and OpenVDB: include it only where grids cross the border (OpenVDB's own header costs
-/// ten seconds and more of compilation).
+/// The one bridge between volcaustic and OpenVDB: include it only where grids cross the border (OpenVDB's own header
+/// costs ten seconds and more of compilation).
 #pragma once
 
 #include "volcaustic/medium.h"
@@ -22,9 +22,8 @@ struct MediumGrids {
 /// The linear transform of a domain's grids.
 VOLCAUSTIC_API openvdb::math::Transform::Ptr domainTransform(const Domain& domain);
 
-/// A medium from grids made elsewhere. Their transforms must be the domain's; null attenuation, scattering, coverage and
-/// asymmetry mean ambient (and zero coverage).
-/// \throws Error(Input) when `index` is null or a transform differs.
+/// A medium from grids made elsewhere. Their transforms must be the domain's; null attenuation, scattering, coverage
+/// and asymmetry mean ambient (and zero coverage). \throws Error(Input) when `index` is null or a transform differs.
 VOLCAUSTIC_API Medium mediumFromGrids(const Domain& domain, const Ambient& ambient, MediumGrids grids);
 
 /// Radiance (fluence / 4 pi) and direction as grids; the parts are null unless asked for.

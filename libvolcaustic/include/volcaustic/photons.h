@@ -23,10 +23,10 @@ enum class LightType {
 struct Light {
   std::string name;
   LightType type = LightType::Directional;
-  Vec3d direction{0, 0, -1};   ///< propagation, world space, any length; directional lights
-  Rgb irradiance{1, 1, 1};     ///< W/m2 on a plane that faces the light; directional lights
-  Vec3d position{0, 0, 2};     ///< world space; point lights
-  Rgb intensity{1, 1, 1};      ///< W/sr; point lights
+  Vec3d direction{0, 0, -1}; ///< propagation, world space, any length; directional lights
+  Rgb irradiance{1, 1, 1};   ///< W/m2 on a plane that faces the light; directional lights
+  Vec3d position{0, 0, 2};   ///< world space; point lights
+  Rgb intensity{1, 1, 1};    ///< W/sr; point lights
 };
 
 /// How a photon is carried along d/ds(n dx/ds) = grad n.
@@ -38,13 +38,13 @@ enum class Scheme {
 struct PhotonOptions {
   std::array<int, 2> grid{1024, 1024}; ///< raster through which each light sees the domain's box
   Scheme scheme = Scheme::DriftKickDrift;
-  double minStep = 1;        ///< shortest step, in voxels
-  double maxStep = 64;       ///< longest step, in voxels
-  int maxSteps = 20000;      ///< a photon that needs more is cut off and counted
-  double cutoff = 1e-4;      ///< a photon is cut off below this fraction of its first power
-  bool roulette = false;     ///< below the cutoff play Russian roulette, which keeps the estimate unbiased
-  bool jitter = false;       ///< move each photon inside its raster cell, by a hash of seed and cell
-  bool smooth = true;        ///< 3x3x3 Gaussian on the finished volume; keeps its total
+  double minStep = 1;    ///< shortest step, in voxels
+  double maxStep = 64;   ///< longest step, in voxels
+  int maxSteps = 20000;  ///< a photon that needs more is cut off and counted
+  double cutoff = 1e-4;  ///< a photon is cut off below this fraction of its first power
+  bool roulette = false; ///< below the cutoff play Russian roulette, which keeps the estimate unbiased
+  bool jitter = false;   ///< move each photon inside its raster cell, by a hash of seed and cell
+  bool smooth = true;    ///< 3x3x3 Gaussian on the finished volume; keeps its total
 };
 
 /// Where the power went, in watts for each channel, and what it took. Everything is summed exactly, so that the figures
@@ -61,8 +61,8 @@ struct EnergyBalance {
   Rgb tracedLoss{0, 0, 0};
   Rgb depositedLoss{0, 0, 0};
 
-  std::int64_t photonsEmitted = 0;  ///< raster cells that see the box
-  std::int64_t photonsTraced = 0;   ///< of these, met the refracting region
+  std::int64_t photonsEmitted = 0; ///< raster cells that see the box
+  std::int64_t photonsTraced = 0;  ///< of these, met the refracting region
   std::int64_t photonsAtStepLimit = 0;
   std::int64_t photonsNotFinite = 0;
   std::int64_t steps = 0;
@@ -110,15 +110,15 @@ VOLCAUSTIC_API PhotonResult tracePhotons(const Medium& medium, std::span<const L
 
 /// A ray in world space and where it went: what the closed-form tests and curious people look at.
 struct TracedRay {
-  Vec3d position;          ///< in: start; out: where it left the domain's box
-  Vec3d direction;         ///< unit
+  Vec3d position;             ///< in: start; out: where it left the domain's box
+  Vec3d direction;            ///< unit
   double opticalMomentum = 0; ///< out: |v|, equal to n along an exact path
-  double length = 0;       ///< in: geometric length after which to stop, 0 for none; out: the length of the path
-  int steps = 0;           ///< out
-  bool left = false;       ///< out: true when it left the box, false at the length or the step limit
+  double length = 0;          ///< in: geometric length after which to stop, 0 for none; out: the length of the path
+  int steps = 0;              ///< out
+  bool left = false;          ///< out: true when it left the box, false at the length or the step limit
 };
-/// Carries rays through the medium with the very kernels of the photon pass; nothing is deposited. Rays start inside the
-/// domain's box (or on its faces) with |v| = n there.
+/// Carries rays through the medium with the very kernels of the photon pass; nothing is deposited. Rays start inside
+/// the domain's box (or on its faces) with |v| = n there.
 VOLCAUSTIC_API void traceRays(const Medium& medium, std::span<TracedRay> rays, const StepFieldOptions& stepField = {},
                               const PhotonOptions& options = {}, const RunContext& ctx = {});
 

@@ -17,13 +17,13 @@ namespace volcaustic {
 
 /// The box that light is computed in, and what fills it where no body is.
 struct SceneVolume {
-  bool automatic = true;       ///< box around the objects, enlarged by `margin`
-  double margin = 0.5;         ///< of the longest side of the objects' box, added on every side; automatic boxes only
-  Box bounds;                  ///< world; used when not automatic
-  int resolution = 128;        ///< voxels along the box's longest side
-  double voxelSize = 0;        ///< world; above 0 it replaces `resolution`
+  bool automatic = true; ///< box around the objects, enlarged by `margin`
+  double margin = 0.5;   ///< of the longest side of the objects' box, added on every side; automatic boxes only
+  Box bounds;            ///< world; used when not automatic
+  int resolution = 128;  ///< voxels along the box's longest side
+  double voxelSize = 0;  ///< world; above 0 it replaces `resolution`
   Ambient ambient;
-  std::filesystem::path file;  ///< a .vdb with an `index` grid that replaces objects and box
+  std::filesystem::path file; ///< a .vdb with an `index` grid that replaces objects and box
 };
 
 /// Scale, then rotate about x, y and z in that order (degrees), then translate.
@@ -39,7 +39,7 @@ struct SceneObject {
   std::filesystem::path meshFile;   ///< mesh to read; or
   std::shared_ptr<const Mesh> mesh; ///< a mesh in memory, which wins over meshFile
   Placement placement;
-  std::string material = "glass";   ///< a name in Scene::materials
+  std::string material = "glass"; ///< a name in Scene::materials
   int priority = 0;
   bool visible = true;
 };

@@ -17,14 +17,14 @@ namespace volcaustic {
 
 /// One run of one stage.
 struct StageRun {
-  std::string stage;    ///< "medium", "photons" or "view"
-  std::string key;      ///< hash of the stage's inputs and described options
+  std::string stage; ///< "medium", "photons" or "view"
+  std::string key;   ///< hash of the stage's inputs and described options
   double milliseconds = 0;
 };
 
-/// Holds a scene and the latest result of each stage, keyed by a hash of everything the stage depends on. A moved camera
-/// re-runs only the view, a light photons and view, a mesh everything; setting an earlier scene again costs nothing when
-/// its results are still the latest.
+/// Holds a scene and the latest result of each stage, keyed by a hash of everything the stage depends on. A moved
+/// camera re-runs only the view, a light photons and view, a mesh everything; setting an earlier scene again costs
+/// nothing when its results are still the latest.
 class VOLCAUSTIC_API Session {
 public:
   explicit Session(Scene scene, RunContext ctx = {});

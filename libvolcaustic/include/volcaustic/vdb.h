@@ -17,23 +17,23 @@
 namespace volcaustic {
 
 struct VdbWriteOptions {
-  bool half = false;      ///< 16-bit floats in the file
-  bool parts = false;     ///< also `caustic` and `direct` (radiance volumes)
-  double exposure = 0;    ///< stops: radiance, caustic, direct and emission are multiplied by 2^exposure; recorded
+  bool half = false;   ///< 16-bit floats in the file
+  bool parts = false;  ///< also `caustic` and `direct` (radiance volumes)
+  double exposure = 0; ///< stops: radiance, caustic, direct and emission are multiplied by 2^exposure; recorded
   std::map<std::string, std::string> metadata; ///< added to the file's metadata, e.g. scene hash, frame, seed
 };
 
 /// Writes index, attenuation, scattering, coverage, and asymmetry where it varies. .vdb or .nvdb by extension; "-" is
 /// standard output (.vdb). Written beside the target and renamed when whole.
-VOLCAUSTIC_API void writeVdb(const std::filesystem::path& path, const Medium& medium, const VdbWriteOptions& options = {},
-                             const RunContext& ctx = {});
+VOLCAUSTIC_API void writeVdb(const std::filesystem::path& path, const Medium& medium,
+                             const VdbWriteOptions& options = {}, const RunContext& ctx = {});
 /// Writes radiance, direction, emission and density (the last two need the medium's scattering and attenuation), and
 /// the two parts when asked for.
 VOLCAUSTIC_API void writeVdb(const std::filesystem::path& path, const RadianceVolume& radiance, const Medium& medium,
                              const VdbWriteOptions& options = {}, const RunContext& ctx = {});
 
-/// Reads a medium: `index` (any float grid of that name), and attenuation, scattering, asymmetry, coverage where present.
-/// The domain is the box of the file's own metadata, else the active voxels of `index`.
+/// Reads a medium: `index` (any float grid of that name), and attenuation, scattering, asymmetry, coverage where
+/// present. The domain is the box of the file's own metadata, else the active voxels of `index`.
 VOLCAUSTIC_API Medium readMedium(const std::filesystem::path& path, const RunContext& ctx = {});
 /// Reads `radiance` and `direction` (and the parts, where present) as written by writeVdb onto a given domain.
 VOLCAUSTIC_API RadianceVolume readRadiance(const std::filesystem::path& path, const Domain& domain,
@@ -45,7 +45,7 @@ struct GridInfo {
   Vec3i indexMin{0, 0, 0}, indexMax{0, 0, 0}; ///< active voxels, inclusive
   Box world;                                  ///< the same in world space, voxel faces
   Vec3d voxelSize{1, 1, 1};
-  double minimum = 0, maximum = 0, mean = 0;  ///< over active values; of the length for vectors
+  double minimum = 0, maximum = 0, mean = 0; ///< over active values; of the length for vectors
   std::map<std::string, std::string> metadata;
 };
 struct VdbInfo {

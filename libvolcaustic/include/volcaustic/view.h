@@ -14,10 +14,10 @@
 namespace volcaustic {
 
 struct Camera {
-  Vec3d position{0, -4, 1};   ///< world space
-  Vec3d target{0, 0, 0};      ///< looked at, world space
+  Vec3d position{0, -4, 1}; ///< world space
+  Vec3d target{0, 0, 0};    ///< looked at, world space
   Vec3d up{0, 0, 1};
-  double fieldOfView = 40;    ///< vertical, degrees
+  double fieldOfView = 40;                  ///< vertical, degrees
   std::array<int, 2> resolution{1024, 768}; ///< pixels
 };
 
@@ -28,23 +28,23 @@ struct Background {
 };
 
 struct ViewOptions {
-  double step = 1;            ///< step where the medium bends or scatters, in voxels
-  int samples = 1;            ///< rays for each pixel along one axis: samples^2 in all
+  double step = 1; ///< step where the medium bends or scatters, in voxels
+  int samples = 1; ///< rays for each pixel along one axis: samples^2 in all
   int maxSteps = 20000;
-  double exposure = 0;        ///< stops, for tone-mapped files
+  double exposure = 0; ///< stops, for tone-mapped files
 };
 
 struct ViewResult {
-  Image image;                ///< R G B A, caustic.*, direct.*, background.*, transmittance.*, depth.Z, steps.Y
+  Image image; ///< R G B A, caustic.*, direct.*, background.*, transmittance.*, depth.Z, steps.Y
   std::int64_t steps = 0;
   std::int64_t raysNotFinite = 0;
   std::int64_t raysAtStepLimit = 0;
 };
 
-/// Renders what the camera sees: single scattering of the radiance volume (Henyey-Greenstein with asymmetry g|d| about the
-/// mean direction d) along rays bent by the medium, over the background. Along a ray L/n^2 is what stays constant, so light
-/// scattered at index n reaches a camera at index n_c multiplied by (n_c/n)^2.
-/// \throws Error(Usage) for a camera or options out of range, Error(Cancelled).
+/// Renders what the camera sees: single scattering of the radiance volume (Henyey-Greenstein with asymmetry g|d| about
+/// the mean direction d) along rays bent by the medium, over the background. Along a ray L/n^2 is what stays constant,
+/// so light scattered at index n reaches a camera at index n_c multiplied by (n_c/n)^2. \throws Error(Usage) for a
+/// camera or options out of range, Error(Cancelled).
 VOLCAUSTIC_API ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
                                      const Background& background = {}, const StepFieldOptions& stepField = {},
                                      const ViewOptions& options = {}, const RunContext& ctx = {});
