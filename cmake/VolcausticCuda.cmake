@@ -2,7 +2,9 @@
 set(VOLCAUSTIC_HAS_CUDA OFF)
 if(NOT VOLCAUSTIC_CUDA STREQUAL "OFF")
   if(NOT CMAKE_CUDA_ARCHITECTURES)
-    set(CMAKE_CUDA_ARCHITECTURES 75 80 86 90)
+    # Machine code for the chips that matter, and PTX of 90 and of the newest for those between and after them. A toolkit
+    # that does not know one (12 does not know 120, for example) needs a shorter list.
+    set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 90 100-real 120)
   endif()
   include(CheckLanguage)
   check_language(CUDA)

@@ -1,12 +1,21 @@
-// What the CUDA backend offers the host; cuda.cu implements it, cuda_stub.cpp where the build has no nvcc. Names no
-// CUDA type.
+// What the CUDA backend offers the host, besides makeCudaTracer (backends/photon_tracer.h); cuda_devices.cu implements
+// it, cuda_stub.cpp where the build has no nvcc. Names no CUDA type.
 #pragma once
 
 #include "volcaustic/device.h"
 
+#include <string>
+#include <vector>
+
 namespace volcaustic {
 
-/// Every CUDA device, or one entry "cuda" that says why there is none.
-std::vector<DeviceInfo> listCudaDevices();
+struct CudaDevices {
+  std::vector<DeviceInfo> devices;
+  std::string whyNone;   ///< when there are none, in a sentence without a full stop
+  bool expected = false; ///< a driver is installed, so that a person would expect a device
+};
+
+/// Every CUDA device, in the runtime's order. Creates no context on any.
+CudaDevices findCudaDevices();
 
 } // namespace volcaustic

@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace volcaustic {
@@ -19,6 +22,27 @@ inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;
 
 /// Offset of a voxel in its brick, from the low three bits of each coordinate.
 constexpr int brickOffset(int x, int y, int z) { return ((x & 7) << 6) | ((y & 7) << 3) | (z & 7); }
+
+/// Whether new voxels are set to their brick's constant at once, or by the caller.
+enum class Fill { Constant, Later };
+
+/// Leaves new elements as they are: pages are then first touched by the thread that writes them.
+template <class T>
+struct UninitialisedAllocator : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = UninitialisedAllocator<U>;
+  };
+  using std::allocator<T>::allocator;
+  template <class U>
+  void construct(U* p) {
+    ::new (static_cast<void*>(p)) U;
+  }
+  template <class U, class... Args>
+  void construct(U* p, Args&&... args) {
+    ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+  }
+};
 
 template <class T>
 class BrickGrid {
@@ -72,12 +96,26 @@ public:
     }
     return voxels(brick);
   }
-  /// allocate() for a list of bricks, in the order given, with one allocation.
-  void activate(std::span<const std::int64_t> bricks) {
+  /// allocate() for a list of bricks, in the order given, with one allocation. With Fill::Later the voxels are not
+  /// written: whoever asked writes them all, from as many threads as it likes.
+  void activate(std::span<const std::int64_t> bricks, Fill fill = Fill::Constant) {
     // At least half as much again, so that many calls in a row do not copy everything each time.
     if (const std::size_t needed = mVoxels.size() + bricks.size() * kBrickVoxels; needed > mVoxels.capacity())
       mVoxels.reserve(std::max(needed, mVoxels.empty() ? 0 : mVoxels.capacity() + mVoxels.capacity() / 2));
-    for (const std::int64_t b : bricks) allocate(b);
+    if (fill == Fill::Constant) {
+      for (const std::int64_t b : bricks) allocate(b);
+      return;
+    }
+    for (const std::int64_t b : bricks) {
+      assert(isConstant(b));
+      mSlots[b] = static_cast<std::int32_t>(mVoxels.size() / kBrickVoxels);
+      mVoxels.resize(mVoxels.size() + kBrickVoxels);
+    }
+  }
+  /// Makes the brick one value again, the background. Its memory stays taken until the grid goes.
+  void release(std::int64_t brick) {
+    mSlots[brick] = kConstant;
+    mValues[brick] = mBackground;
   }
 
   /// Value at a voxel of the domain.
@@ -106,7 +144,7 @@ private:
   Vec3i mDims{0, 0, 0}, mBricks{0, 0, 0};
   std::vector<std::int32_t> mSlots;
   std::vector<T> mValues; // of constant bricks
-  std::vector<T> mVoxels;
+  std::vector<T, UninitialisedAllocator<T>> mVoxels;
   T mBackground{};
 };
 

@@ -45,18 +45,25 @@ struct EmissionFrame {
       a = uniform(seed, static_cast<std::uint64_t>(cell), 0);
       b = uniform(seed, static_cast<std::uint64_t>(cell), 1);
     }
-    const double u = u0 + (static_cast<double>(cell % columns) + a) * du,
-                 v = v0 + (static_cast<double>(cell / columns) + b) * dv;
+    return rayAt(static_cast<double>(cell % columns) + a, static_cast<double>(cell / columns) + b);
+  }
+  /// The ray through a point of the raster, in cells.
+  VOLCAUSTIC_HD EmissionRay rayAt(double column, double row) const {
+    const double u = u0 + column * du, v = v0 + row * dv;
     if (!point) return {origin + axisU * u + axisV * v, axisW};
     return {origin, normalize(axisW + axisU * u + axisV * v)};
   }
 
-  /// Power of a cell in W: irradiance times area, or intensity times solid angle (van Oosterom and Strackee's formula
-  /// for a rectangle, as a difference of corner terms).
+  /// Power of a cell in W.
   VOLCAUSTIC_HD Double3 power(std::int64_t cell) const {
-    if (!point) return strength;
-    const double ua = u0 + static_cast<double>(cell % columns) * du, va = v0 + static_cast<double>(cell / columns) * dv;
-    const double ub = ua + du, vb = va + dv;
+    const auto column = static_cast<std::int32_t>(cell % columns), row = static_cast<std::int32_t>(cell / columns);
+    return powerOf(column, row, column + 1, row + 1);
+  }
+  /// Power of the cells in [column0, column1) x [row0, row1): irradiance times area, or intensity times solid angle (van
+  /// Oosterom and Strackee's formula for a rectangle, as a difference of corner terms).
+  VOLCAUSTIC_HD Double3 powerOf(std::int32_t column0, std::int32_t row0, std::int32_t column1, std::int32_t row1) const {
+    if (!point) return strength * (static_cast<double>(column1 - column0) * (row1 - row0));
+    const double ua = u0 + column0 * du, va = v0 + row0 * dv, ub = u0 + column1 * du, vb = v0 + row1 * dv;
     const auto corner = [](double u, double v) { return std::atan2(u * v, std::sqrt(1 + u * u + v * v)); };
     return strength * (corner(ub, vb) - corner(ua, vb) - corner(ub, va) + corner(ua, va));
   }
@@ -67,8 +74,7 @@ struct EmissionFrame {
 VOLCAUSTIC_HD inline double firstBend(const FlatMedium& m, const Double3& o, const Double3& d, double t0, double t1) {
   double found = 1e300;
   traverse(o, d, t0, t1, m.brickDims, 3, [&](const Int3& brick, double in, double out) {
-    const BrickRecord& record = m.bricks[(brick.x * m.brickDims.y + brick.y) * m.brickDims.z + brick.z];
-    if (!record.bends) return true;
+    if (!m.bends[(brick.x * m.brickDims.y + brick.y) * m.brickDims.z + brick.z]) return true;
     traverse(o, d, in, out, m.dims, 0, [&](const Int3& voxel, double voxelIn, double) {
       if (!(m.stepAt(voxel) & kStepBendsBit)) return true;
       found = voxelIn;
@@ -86,12 +92,22 @@ VOLCAUSTIC_HD inline Double3 transmittance(const Optics& optics, double distance
 
 inline constexpr float kNeverBends = 3.0e38f;
 
+/// Where the rays of a raster can meet a bend: for each tile of kReachTile x kReachTile cells, bounds of the distance
+/// (relative to the frame's depth0) to every brick with bends that the tile's rays may touch. nearest > farthest: none.
+inline constexpr int kReachTile = 8;
+struct RasterReach {
+  std::int32_t columns = 0, rows = 0; ///< tiles
+  const float* nearest = nullptr;
+  const float* farthest = nullptr;
+};
+
 /// Cell -> distance of its first bend (relative to frame.depth0; kNeverBends when its light goes straight through or
 /// misses the box). Light on the way there, and light that never bends, is booked here; the rest is PhotonBody's.
 template <class Sink>
 struct EmissionBody {
   FlatMedium medium;
   EmissionFrame frame;
+  RasterReach reach;
   float* entry;
 
   VOLCAUSTIC_HD void operator()(std::int64_t cell, Sink& sink) const {
@@ -101,7 +117,10 @@ struct EmissionBody {
     const double t0 = frame.point ? larger(span.entry, 0.0) : span.entry;
     if (!(span.exit > t0)) return;
 
-    const double bend = firstBend(medium, ray.origin, ray.direction, t0, span.exit);
+    const std::int64_t tile = (cell / frame.columns / kReachTile) * reach.columns + cell % frame.columns / kReachTile;
+    const double from = larger(t0, reach.nearest[tile] + frame.depth0),
+                 to = smaller(span.exit, reach.farthest[tile] + frame.depth0);
+    const double bend = to > from ? firstBend(medium, ray.origin, ray.direction, from, to) : 1e300;
     const bool straight = bend > span.exit;
     if (!straight) entry[cell] = static_cast<float>(bend - frame.depth0);
 

@@ -1,4 +1,5 @@
-// The step of a ray of geometric optics, d/ds(n dx/ds) = grad n, through a flat medium.
+// The step of a ray of geometric optics, d/ds(n dx/ds) = grad n, through a flat medium. Written over lanes: F is float
+// for one ray, or a backend's lane type for as many as it holds.
 #pragma once
 
 #include "kernels/flat_medium.h"
@@ -6,101 +7,150 @@
 namespace volcaustic::kernels {
 
 /// A ray's state: position and optical momentum v = n dx/ds, grid space.
-struct Ray {
-  Float3 x;
-  Float3 v;
+template <class F>
+struct RayOf {
+  Vec3<F> x;
+  Vec3<F> v;
 };
+using Ray = RayOf<float>;
 
 /// How long steps may be, in voxels, and which scheme carries them.
 struct MarchRules {
   float minStep = 1;
   float maxStep = 64;
-  bool euler = false; ///< VD equations (6) and (7) instead of drift-kick-drift
+  bool euler = false;   ///< VD equations (6) and (7) instead of drift-kick-drift
+  bool nearest = false; ///< n and grad n of the nearest voxel centre instead of trilinear ones
 };
 
 /// Distance from x along the unit vector d to the boundary of the aligned cube of 2^level voxels that holds `voxel`.
 /// Axes along which d hardly moves do not count: a ray that glides in a face of cubes would stand still.
-VOLCAUSTIC_HD inline float distanceToCubeFace(const Float3& x, const Float3& d, const Int3& voxel, int level) {
-  float t = 3.0e38f;
-  const auto axis = [&](float xa, float da, int va) {
-    const int low = (va >> level) << level;
-    const float face = static_cast<float>(da > 0 ? low + (1 << level) : low);
-    if (std::abs(da) > 1e-6f) t = smaller(t, (face - xa) / da);
+template <class F>
+VOLCAUSTIC_HD inline F distanceToCubeFace(const Vec3<F>& x, const Vec3<F>& d, const Vec3<IntOf<F>>& voxel,
+                                          const IntOf<F>& level) {
+  using I = IntOf<F>;
+  const I edge = powerOfTwo(level), below = ~(edge - I(1));
+  const auto axis = [&](F xa, F da, I va) {
+    const I low = va & below;
+    const F face = toFloat(select(da > F(0), low + edge, low));
+    return select(absOf(da) > F(1e-6f), (face - xa) * reciprocal(da), F(3.0e38f));
   };
-  axis(x.x, d.x, voxel.x);
-  axis(x.y, d.y, voxel.y);
-  axis(x.z, d.z, voxel.z);
-  return t;
+  return smaller(axis(x.x, d.x, voxel.x), smaller(axis(x.y, d.y, voxel.y), axis(x.z, d.z, voxel.z)));
 }
 
 /// Step length at x along the unit vector d, from the step field's byte of the voxel that holds x.
-VOLCAUSTIC_HD inline float stepLength(const FlatMedium& m, const MarchRules& rules, const Float3& x, const Float3& d,
-                                      const Int3& voxel, std::uint8_t step) {
-  float longest = rules.maxStep;
-  if (step & kStepCappedBit) longest = smaller(longest, m.cap);
-  return clampTo(distanceToCubeFace(x, d, voxel, step & kStepLevelMask), rules.minStep, larger(longest, rules.minStep));
+template <class F>
+VOLCAUSTIC_HD inline F stepLength(const FlatMedium& m, const MarchRules& rules, const Vec3<F>& x, const Vec3<F>& d,
+                                  const Vec3<IntOf<F>>& voxel, const IntOf<F>& step) {
+  using I = IntOf<F>;
+  const auto capped = (step & I(kStepCappedBit)) != I(0);
+  const F longest = select(capped, F(smaller(rules.maxStep, m.cap)), F(rules.maxStep));
+  return clampTo(distanceToCubeFace(x, d, voxel, step & I(kStepLevelMask)), F(rules.minStep),
+                 larger(longest, F(rules.minStep)));
+}
+
+template <class F>
+VOLCAUSTIC_HD inline FieldSample<F> lookUp(const FlatMedium& m, const MarchRules& rules, const Vec3<F>& p) {
+  return rules.nearest ? nearestField(m, p) : sampleField(m, p);
 }
 
 /// One step of arc length ds. With dtau = ds/n the ray equation is Newton's, d2x/dtau2 = grad(n^2)/2, with unit mass:
 /// half a drift, the kick n grad n at the middle, half a drift is second order and symplectic. |v| stands for n in
 /// dtau, which it equals along an exact path, so a step costs one lookup.
-VOLCAUSTIC_HD inline Ray driftKickDrift(const FlatMedium& m, const Ray& r, float ds) {
-  const float dtau = ds / length(r.v);
-  const Float3 middle = r.x + r.v * (0.5f * dtau);
-  const FieldSample f = sampleField(m, middle);
-  const Float3 v = r.v + f.gradient * (dtau * f.n);
-  return {middle + v * (0.5f * dtau), v};
+template <class F>
+VOLCAUSTIC_HD inline RayOf<F> driftKickDrift(const FlatMedium& m, const MarchRules& rules, const RayOf<F>& r, F ds) {
+  const F dtau = ds * inverseRoot(dot(r.v, r.v)), half = F(0.5f) * dtau;
+  const Vec3<F> middle = mulAdd(r.v, half, r.x);
+  const FieldSample<F> f = lookUp(m, rules, middle);
+  const Vec3<F> v = mulAdd(f.gradient, dtau * f.n, r.v);
+  return {mulAdd(v, half, middle), v};
 }
 
 /// VD equations (6) and (7): x += (ds/n) v, v += ds grad n, both from the old position.
-VOLCAUSTIC_HD inline Ray eulerStep(const FlatMedium& m, const Ray& r, float ds) {
-  const FieldSample f = sampleField(m, r.x);
-  return {r.x + r.v * (ds / f.n), r.v + f.gradient * ds};
+template <class F>
+VOLCAUSTIC_HD inline RayOf<F> eulerStep(const FlatMedium& m, const MarchRules& rules, const RayOf<F>& r, F ds) {
+  const FieldSample<F> f = lookUp(m, rules, r.x);
+  return {mulAdd(r.v, ds * reciprocal(f.n), r.x), mulAdd(f.gradient, ds, r.v)};
 }
 
-VOLCAUSTIC_HD inline Ray advance(const FlatMedium& m, const MarchRules& rules, const Ray& r, float ds) {
-  return rules.euler ? eulerStep(m, r, ds) : driftKickDrift(m, r, ds);
+template <class F>
+VOLCAUSTIC_HD inline RayOf<F> advance(const FlatMedium& m, const MarchRules& rules, const RayOf<F>& r, F ds) {
+  return rules.euler ? eulerStep(m, rules, r, ds) : driftKickDrift(m, rules, r, ds);
 }
 
-VOLCAUSTIC_HD inline bool insideBox(const Int3& dims, const Float3& p) {
-  return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= static_cast<float>(dims.x) && p.y <= static_cast<float>(dims.y) &&
-         p.z <= static_cast<float>(dims.z);
+template <class F>
+VOLCAUSTIC_HD inline MaskOf<F> insideBox(const Int3& dims, const Vec3<F>& p) {
+  const Vec3<F> high(F(static_cast<float>(dims.x)), F(static_cast<float>(dims.y)), F(static_cast<float>(dims.z)));
+  const F low = smaller(p.x, smaller(p.y, p.z));
+  const F beyond = larger(p.x - high.x, larger(p.y - high.y, p.z - high.z));
+  return both(low >= F(0), beyond <= F(0));
 }
 
 /// Fraction of the chord from a (inside the box) to b at which it leaves the box; above 1 when it does not.
-VOLCAUSTIC_HD inline float exitFraction(const Int3& dims, const Float3& a, const Float3& b) {
-  float t = 2;
-  const auto axis = [&](float pa, float pb, int dim) {
-    const float high = static_cast<float>(dim);
-    if (pb < 0) t = smaller(t, pa / (pa - pb));
-    if (pb > high) t = smaller(t, (high - pa) / (pb - pa));
+template <class F>
+VOLCAUSTIC_HD inline F exitFraction(const Int3& dims, const Vec3<F>& a, const Vec3<F>& b) {
+  const auto axis = [](F pa, F pb, int dim) {
+    const F high(static_cast<float>(dim));
+    const F low = select(pb < F(0), pa * reciprocal(pa - pb), F(2));
+    return smaller(low, select(pb > high, (high - pa) * reciprocal(pb - pa), F(2)));
   };
-  axis(a.x, b.x, dims.x);
-  axis(a.y, b.y, dims.y);
-  axis(a.z, b.z, dims.z);
-  return t;
+  return smaller(axis(a.x, b.x, dims.x), smaller(axis(a.y, b.y, dims.y), axis(a.z, b.z, dims.z)));
+}
+
+/// A point moved onto or into the box.
+template <class F>
+VOLCAUSTIC_HD inline Vec3<F> clampToBox(const Int3& dims, const Vec3<F>& p) {
+  return {clampTo(p.x, F(0), F(static_cast<float>(dims.x))), clampTo(p.y, F(0), F(static_cast<float>(dims.y))),
+          clampTo(p.z, F(0), F(static_cast<float>(dims.z)))};
 }
 
 /// A step and what it did.
+template <class F>
 struct StepResult {
-  Ray ray;
-  float ds = 0;        ///< arc length of the step
-  bool leaves = false; ///< the ray is on a face of the box, about to leave
+  RayOf<F> ray;
+  F ds;             ///< arc length of the step
+  MaskOf<F> leaves; ///< the ray is on a face of the box, about to leave
 };
 
-/// Advances by ds, or exactly to the face of the box that the step would cross: the shortened step is taken afresh from
-/// its start, so position and direction on the face are as accurate as any other.
-VOLCAUSTIC_HD inline StepResult advanceInBox(const FlatMedium& m, const MarchRules& rules, const Ray& r, float ds) {
-  StepResult s{advance(m, rules, r, ds), ds, false};
-  for (int attempt = 0; attempt < 3 && !insideBox(m.dims, s.ray.x); ++attempt) {
-    s.leaves = true;
-    s.ds *= larger(exitFraction(m.dims, r.x, s.ray.x), 0.0f);
-    s.ray = advance(m, rules, r, s.ds);
+/// Distance from x, inside the box, along the unit vector d to the face of the box in front.
+template <class F>
+VOLCAUSTIC_HD inline F distanceToBoxFace(const Int3& dims, const Vec3<F>& x, const Vec3<F>& d) {
+  const auto axis = [](F xa, F da, int dim) {
+    const F face = select(da > F(0), F(static_cast<float>(dim)), F(0));
+    return select(absOf(da) > F(1e-6f), (face - xa) * reciprocal(da), F(3.0e38f));
+  };
+  return larger(F(0), smaller(axis(x.x, d.x, dims.x), smaller(axis(x.y, d.y, dims.y), axis(x.z, d.z, dims.z))));
+}
+
+/// How far p lies beyond the box's nearest face; negative inside.
+template <class F>
+VOLCAUSTIC_HD inline F beyondBox(const Int3& dims, const Vec3<F>& p) {
+  const auto axis = [](F pa, int dim) { return larger(-pa, pa - F(static_cast<float>(dim))); };
+  return larger(axis(p.x, dims.x), larger(axis(p.y, dims.y), axis(p.z, dims.z)));
+}
+
+/// Advances by ds along `towards` (v's unit vector), or to the face of the box that the step would cross. Where light
+/// bends on the way and the step still ends beyond the face, a shortened one is taken afresh from the same start, so
+/// position and direction on the face are as accurate as any other.
+template <class F>
+VOLCAUSTIC_HD inline StepResult<F> advanceInBox(const FlatMedium& m, const MarchRules& rules, const RayOf<F>& r,
+                                                const Vec3<F>& towards, F ds) {
+  constexpr float kOnFace = 1e-3f; // voxels: this close to the face ahead is on it
+  const F toFace = distanceToBoxFace(m.dims, r.x, towards);
+  StepResult<F> s;
+  s.ds = smaller(ds, toFace);
+  s.ray = advance(m, rules, r, s.ds);
+  F beyond = beyondBox(m.dims, s.ray.x);
+  s.leaves = either(both(ds >= toFace, beyond > F(-kOnFace)), beyond > F(0));
+  if (!any(s.leaves)) return s;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const MaskOf<F> outside = beyond > F(kOnFace);
+    if (!any(outside)) break;
+    s.ds = select(outside, s.ds * larger(exitFraction(m.dims, r.x, s.ray.x), F(0)), s.ds);
+    const RayOf<F> again = advance(m, rules, r, s.ds);
+    s.ray = {select<F>(outside, again.x, s.ray.x), select<F>(outside, again.v, s.ray.v)};
+    beyond = beyondBox(m.dims, s.ray.x);
   }
-  if (!s.leaves) return s;
-  s.ray.x = Float3(clampTo(s.ray.x.x, 0.0f, static_cast<float>(m.dims.x)),
-                   clampTo(s.ray.x.y, 0.0f, static_cast<float>(m.dims.y)),
-                   clampTo(s.ray.x.z, 0.0f, static_cast<float>(m.dims.z)));
+  s.ray.x = select<F>(s.leaves, clampToBox(m.dims, s.ray.x), s.ray.x);
   return s;
 }
 

@@ -1,7 +1,8 @@
-// One photon from its first bend to its end.
+// One photon from its first bend to its end, written over lanes.
 #pragma once
 
 #include "kernels/emission.h"
+#include "kernels/slab.h"
 
 namespace volcaustic::kernels {
 
@@ -13,36 +14,220 @@ struct PhotonRules {
   std::uint64_t seed = 0;
 };
 
-/// (1 - exp(-t))/t, the mean of exp(-s) over [0, t].
-VOLCAUSTIC_HD inline float meanDecay(float t) { return t < 1e-4f ? 1 - 0.5f * t : -std::expm1(-t) / t; }
-VOLCAUSTIC_HD inline Float3 meanDecay(const Float3& t) { return {meanDecay(t.x), meanDecay(t.y), meanDecay(t.z)}; }
-VOLCAUSTIC_HD inline Float3 decay(const Float3& t) { return {std::exp(-t.x), std::exp(-t.y), std::exp(-t.z)}; }
+template <class F>
+VOLCAUSTIC_HD inline Vec3<F> decay(const Vec3<F>& t) {
+  return {exponential(-t.x), exponential(-t.y), exponential(-t.z)};
+}
+/// (1 - e)/t, the mean of exp(-s) over [0, t], given e = exp(-t). By its series where 1 - e would lose digits.
+template <class F>
+VOLCAUSTIC_HD inline F meanDecay(F t, F e) {
+  const F series = F(1) - t * (F(0.5f) - t * F(1 / 6.0f));
+  return select(t < F(1e-2f), series, (F(1) - e) * reciprocal(larger(t, F(1e-2f))));
+}
+template <class F>
+VOLCAUSTIC_HD inline Vec3<F> meanDecay(const Vec3<F>& t, const Vec3<F>& e) {
+  return {meanDecay(t.x, e.x), meanDecay(t.y, e.y), meanDecay(t.z, e.z)};
+}
 
-/// Deposits power * length, decaying by `attenuation`, into every voxel that the chord from a to b crosses.
+/// A photon on its way.
+template <class F>
+struct PhotonOf {
+  RayOf<F> ray;
+  Vec3<F> power;     ///< W
+  Vec3<F> scattered; ///< lost to scattering so far, W
+  F threshold;       ///< of luminance, below which the photon ends
+  IntOf<F> steps;
+  Vec3<F> from;    ///< where its last deposit ended: from there on it has gone straight, through one kind of matter
+  IntOf<F> optics; ///< that matter's entry in FlatMedium::optics
+};
+using Photon = PhotonOf<float>;
+
+/// A straight piece of a photon's way. At the distance s from its start the photon has the power
+/// power + slope (s - length/2): what exp(-attenuation s) is to second order, and in total exactly.
+template <class F>
+struct ChordOf {
+  Vec3<F> start, direction; ///< direction is a unit vector
+  F length;
+  Vec3<F> power; ///< mean over the length, W
+  Vec3<F> slope; ///< W/voxel
+};
+
+/// What a step did to a photon.
+template <class F>
+struct StepOutcome {
+  MaskOf<F> leaves;    ///< is on a face of the box, about to leave
+  MaskOf<F> notFinite; ///< has left the finite numbers and stays where it was
+  MaskOf<F> fades;     ///< is below its threshold
+  MaskOf<F> limit;     ///< has taken the last step that it may
+};
+
+/// Attenuation and scattering, gathered.
+template <class F>
+VOLCAUSTIC_HD inline Vec3<F> gatherRgb(const float* base, const IntOf<F>& index) {
+  return {gather(base, index), gather(base + 1, index), gather(base + 2, index)};
+}
+
+/// A way of greater optical depth is deposited in equal parts: a part's power is right in total, and inside it to one
+/// part in a thousand (depth^2/12).
+inline constexpr float kPartDepth = 0.1f;
+inline constexpr std::int32_t kMostParts = 256;
+
+/// Emits the chord a, a + length * direction of a photon with the power `first` at a through deposit(ChordOf<F>, MaskOf<F>), in
+/// parts; returns the power at its end.
+template <class F, class Deposit>
+VOLCAUSTIC_HD inline Vec3<F> depositDecaying(const Vec3<F>& a, const Vec3<F>& direction, F length, const Vec3<F>& first,
+                                             const Vec3<F>& attenuation, const MaskOf<F>& active,
+                                             const Deposit& deposit) {
+  using I = IntOf<F>;
+  const F depth = maxComponent(attenuation) * length;
+  const I parts = toInt(smaller(depth * F(1 / kPartDepth), F(float(kMostParts - 1)))) + I(1);
+  const F part = length * reciprocal(toFloat(parts));
+  const Vec3<F> t = attenuation * part, e = decay(t), mean = meanDecay(t, e);
+  Vec3<F> left = first;
+  for (I i(0);; i = i + I(1)) {
+    const MaskOf<F> on = both(active, i < parts);
+    if (!any(on)) break;
+    const Vec3<F> power = left * mean;
+    deposit(ChordOf<F>{mulAdd(direction, part * toFloat(i), a), direction, part, power, -(power * attenuation)}, on);
+    left = select<F>(i < parts, left * e, left);
+  }
+  return left;
+}
+
+/// Deposits the straight way from photon.from to `to` for the lanes `on`, attenuates, and sets photon.from to `to`.
+template <class F, class Deposit>
+VOLCAUSTIC_HD inline void depositWay(const FlatMedium& m, PhotonOf<F>& photon, const Vec3<F>& to, const MaskOf<F>& on,
+                                     const Deposit& deposit) {
+  const Vec3<F> way = to - photon.from;
+  const F squared = dot(way, way);
+  const MaskOf<F> moved = both(on, squared > F(0));
+  const F inverse = inverseRoot(select(squared > F(0), squared, F(1)));
+  const Vec3<F> direction = way * inverse, from = photon.from;
+  const F length = squared * inverse;
+  photon.from = select<F>(on, to, photon.from);
+  if (!m.attenuates) {
+    deposit(ChordOf<F>{from, direction, length, photon.power, Vec3<F>(F(0))}, moved);
+    return;
+  }
+  const IntOf<F> at = photon.optics * IntOf<F>(kOpticsFloats);
+  const Vec3<F> attenuation = gatherRgb<F>(&m.optics->attenuation.x, at);
+  const Vec3<F> scattering = gatherRgb<F>(&m.optics->scattering.x, at);
+  const Vec3<F> left = depositDecaying(from, direction, length, photon.power, attenuation, moved, deposit);
+  const auto albedo = [](F s, F t) { return select(t > F(0), s * reciprocal(select(t > F(0), t, F(1))), F(0)); };
+  const Vec3<F> lost = photon.power - left;
+  const Vec3<F> scattered{lost.x * albedo(scattering.x, attenuation.x), lost.y * albedo(scattering.y, attenuation.y),
+                          lost.z * albedo(scattering.z, attenuation.z)};
+  photon.scattered = select<F>(moved, photon.scattered + scattered, photon.scattered);
+  photon.power = select<F>(moved, left, photon.power);
+}
+
+/// One step of a photon: advance, and deposit where its way is no longer straight or ends. `active` lanes count; the
+/// others must hold a finite photon.
+template <class F, class Deposit>
+VOLCAUSTIC_HD inline StepOutcome<F> stepPhoton(const FlatMedium& m, const PhotonRules& rules, PhotonOf<F>& photon,
+                                               const MaskOf<F>& active, const Deposit& deposit) {
+  using M = MaskOf<F>;
+  const RayOf<F> old = photon.ray;
+  const Vec3<IntOf<F>> voxel = m.voxelOf(old.x);
+  const Vec3<F> towards = old.v * inverseRoot(dot(old.v, old.v));
+  const F ds = stepLength(m, rules.march, old.x, towards, voxel, m.stepAt(voxel));
+  const StepResult<F> step = advanceInBox(m, rules.march, old, towards, ds);
+  photon.steps = photon.steps + IntOf<F>(1);
+
+  // Not a number compares false with everything; so does infinity with the upper bound.
+  const Vec3<F> chord = step.ray.x - old.x;
+  const F momentum = dot(step.ray.v, step.ray.v);
+  const M finite = both(both(dot(chord, chord) < F(1e30f), momentum < F(1e30f)), momentum > F(0));
+  const M limit = photon.steps > IntOf<F>(rules.maxSteps - 1);
+  const M bends = negate(both(both(step.ray.v.x == old.v.x, step.ray.v.y == old.v.y), step.ray.v.z == old.v.z));
+
+  // A way that bends here, or comes into other matter, has been straight up to the last point.
+  IntOf<F> optics = photon.optics;
+  if (m.attenuates) optics = m.opticsIndex(m.voxelOf(select<F>(finite, (old.x + step.ray.x) * F(0.5f), old.x)));
+  const M other = optics != photon.optics;
+  const M breaks = both(active, either(either(bends, other), negate(finite)));
+  if (any(breaks)) {
+    const Vec3<F> way = old.x - photon.from;
+    const M pending = both(breaks, dot(way, way) > F(0));
+    if (any(pending)) depositWay(m, photon, old.x, pending, deposit);
+    photon.optics = optics;
+  }
+  photon.ray = {select<F>(finite, step.ray.x, old.x), select<F>(finite, step.ray.v, old.v)};
+  const M ends = both(both(active, finite), either(bends, either(step.leaves, limit)));
+  if (any(ends)) depositWay(m, photon, photon.ray.x, ends, deposit);
+  return {both(finite, step.leaves), negate(finite), luminance(photon.power) < photon.threshold, limit};
+}
+
+/// Below the threshold: true ends the photon. Roulette lets one in ten live with ten times its power; `gained` collects
+/// what it is given.
+VOLCAUSTIC_HD inline bool endsByRoulette(const PhotonRules& rules, std::uint64_t id, Photon& photon, Double3& gained) {
+  if (!rules.roulette) return true;
+  constexpr float kSurvival = 0.1f;
+  if (uniform(rules.seed, id, static_cast<std::uint64_t>(photon.steps) + 2) >= kSurvival) return true;
+  const Float3 gain = photon.power * (1 / kSurvival - 1);
+  gained += Double3(gain);
+  photon.power += gain;
+  return false;
+}
+
+/// The photon of a raster cell at its first bend.
+VOLCAUSTIC_HD inline Photon startPhoton(const FlatMedium& m, const EmissionFrame& frame, const PhotonRules& rules,
+                                        std::int64_t cell, float entry) {
+  const EmissionRay start = frame.ray(cell);
+  const double t = entry + frame.depth0;
+  Photon photon;
+  photon.ray = {clampToBox(m.dims, Float3(start.origin + start.direction * t)), Float3(start.direction)};
+  photon.ray.v *= sampleField(m, photon.ray.x).n;
+  Double3 power = frame.power(cell);
+  if (m.attenuates) {
+    const Span span = clipToBox(m.dims, start.origin, start.direction);
+    const double t0 = frame.point ? larger(span.entry, 0.0) : span.entry;
+    power = power * transmittance(m.optics[0], larger(t - t0, 0.0));
+  }
+  photon.power = Float3(power);
+  photon.scattered = Float3(0, 0, 0);
+  photon.threshold = rules.cutoff * luminance(photon.power);
+  photon.steps = 0;
+  photon.from = photon.ray.x;
+  photon.optics = m.attenuates ? m.opticsIndex(m.voxelOf(photon.ray.x)) : 0;
+  return photon;
+}
+
+/// Books a photon that has come to its end. `first` is the power that it started with, `gained` what roulette gave it.
 template <class Sink>
-VOLCAUSTIC_HD inline void depositChord(Sink& sink, const Int3& dims, const Float3& a, const Float3& b,
-                                       const Float3& power, const Float3& attenuation) {
-  const Float3 chord = b - a;
-  const float len = length(chord);
-  if (!(len > 0)) return;
-  const Float3 direction = chord * (1 / len);
-  // Below this optical depth the decay inside the chord is under a thousandth, and its mean is exact for the total.
-  constexpr float kThin = 2e-3f;
-  const bool thin = maxComponent(attenuation) * len < kThin;
-  const Float3 mean = power * meanDecay(attenuation * len);
+VOLCAUSTIC_HD inline void bookEnd(Sink& sink, Outcome end, const Photon& photon, const Float3& first,
+                                  const Double3& gained) {
+  const Double3 left(photon.power), scattered(photon.scattered), lost = Double3(first) + gained - left;
+  sink.tally(end, left);
+  sink.tally(Outcome::CutOff, -gained);
+  sink.tally(Outcome::Scattered, scattered);
+  sink.tally(Outcome::Absorbed, lost - scattered);
+  sink.tally(Outcome::TracedLoss, lost);
+  sink.count(Counter::Steps, photon.steps);
+}
+
+/// Adds a chord's light to every voxel that it crosses.
+template <class Sink>
+VOLCAUSTIC_HD inline void depositChord(Sink& sink, const FlatMedium& m, const ChordOf<float>& chord) {
   std::int64_t crossed = 0;
-  traverse(a, direction, 0.0f, len, dims, 0, [&](const Int3& voxel, float in, float out) {
-    const float ell = out - in;
-    const Float3 w = thin ? mean * ell : power * decay(attenuation * in) * meanDecay(attenuation * ell) * ell;
-    sink.deposit(voxel, w, direction * luminance(w));
+  const auto add = [&](const auto& voxel) {
+    if (!(voxel.length > 0)) return;
+    const Float3 w = (chord.power + chord.slope * (voxel.middle - 0.5f * chord.length)) * voxel.length;
+    sink.deposit(voxel.at.brick, voxel.at.offset, w, chord.direction * luminance(w));
     ++crossed;
-    return true;
-  });
+  };
+  const SlabChord<float, BrickCells> slabs({m.dims, m.brickDims}, chord.start, chord.direction, chord.length);
+  for (std::int32_t k = 0; k < slabs.slabs(); ++k) {
+    const auto c = slabs.crossing(k);
+    add(c.first);
+    add(c.second);
+    add(c.third);
+  }
   sink.count(Counter::VoxelsCrossed, crossed);
 }
 
 /// Carries the photon of raster cell cells[i] from its first bend until it leaves the box, fades or reaches the step
-/// limit.
+/// limit. One photon for one call: a GPU's thread, and the reference on the CPU.
 template <class Sink>
 struct PhotonBody {
   FlatMedium medium;
@@ -53,76 +238,29 @@ struct PhotonBody {
 
   VOLCAUSTIC_HD void operator()(std::int64_t i, Sink& sink) const {
     const std::int64_t cell = cells[i];
-    const EmissionRay start = frame.ray(cell);
-    const double t = entry[cell] + frame.depth0;
-    const Span span = clipToBox(medium.dims, start.origin, start.direction);
-    const double t0 = frame.point ? larger(span.entry, 0.0) : span.entry;
-
-    Ray ray{clampToBox(Float3(start.origin + start.direction * t)), Float3(start.direction)};
-    ray.v *= sampleField(medium, ray.x).n;
-    Float3 power(frame.power(cell) * transmittance(medium.optics[0], larger(t - t0, 0.0)));
-    march(ray, power, static_cast<std::uint64_t>(cell), sink);
-  }
-
-private:
-  VOLCAUSTIC_HD Float3 clampToBox(const Float3& p) const {
-    return {clampTo(p.x, 0.0f, static_cast<float>(medium.dims.x)),
-            clampTo(p.y, 0.0f, static_cast<float>(medium.dims.y)),
-            clampTo(p.z, 0.0f, static_cast<float>(medium.dims.z))};
-  }
-
-  VOLCAUSTIC_HD void march(Ray ray, Float3 power, std::uint64_t id, Sink& sink) const {
-    const float threshold = rules.cutoff * luminance(power);
-    std::int32_t steps = 0;
+    Photon photon = startPhoton(medium, frame, rules, cell, entry[cell]);
+    const Float3 first = photon.power;
+    Double3 gained(0, 0, 0);
     Outcome end = Outcome::CutOff;
     while (true) {
-      if (steps == rules.maxSteps) {
-        sink.count(Counter::StepLimit, 1);
-        break;
-      }
-      const Int3 voxel = medium.voxelOf(ray.x);
-      const Float3 direction = normalize(ray.v);
-      const float ds = stepLength(medium, rules.march, ray.x, direction, voxel, medium.stepAt(voxel));
-      const StepResult step = advanceInBox(medium, rules.march, ray, ds);
-      ++steps;
-      const Float3 next = step.ray.x;
-      if (!std::isfinite(next.x + next.y + next.z) || !(dot(step.ray.v, step.ray.v) > 0)) {
+      const StepOutcome<float> step =
+          stepPhoton(medium, rules, photon, true,
+                     [&](const ChordOf<float>& chord, bool on) { if (on) depositChord(sink, medium, chord); });
+      if (step.notFinite) {
         sink.count(Counter::NotFinite, 1);
         break;
       }
-      power = attenuate(ray.x, next, power, sink);
-      ray = step.ray;
       if (step.leaves) {
         end = Outcome::Escaped;
         break;
       }
-      if (luminance(power) < threshold && fades(power, id, steps, sink)) break;
+      if (step.fades && endsByRoulette(rules, static_cast<std::uint64_t>(cell), photon, gained)) break;
+      if (step.limit) {
+        sink.count(Counter::StepLimit, 1);
+        break;
+      }
     }
-    sink.tally(end, Double3(power));
-    sink.count(Counter::Steps, steps);
-  }
-
-  /// Deposits along the chord and returns the power that is left at its end.
-  VOLCAUSTIC_HD Float3 attenuate(const Float3& a, const Float3& b, const Float3& power, Sink& sink) const {
-    const Optics& optics = medium.opticsAt(medium.voxelOf((a + b) * 0.5f));
-    depositChord(sink, medium.dims, a, b, power, optics.attenuation);
-    if (!(maxComponent(optics.attenuation) > 0)) return power;
-    const Float3 left = power * decay(optics.attenuation * length(b - a));
-    const Double3 loss = Double3(power) - Double3(left);
-    tallyLoss(sink, optics, loss);
-    sink.tally(Outcome::TracedLoss, loss);
-    return left;
-  }
-
-  /// Below the threshold: true ends the photon. Roulette lets one in ten live with ten times its power.
-  VOLCAUSTIC_HD bool fades(Float3& power, std::uint64_t id, std::int32_t steps, Sink& sink) const {
-    if (!rules.roulette) return true;
-    constexpr float kSurvival = 0.1f;
-    if (uniform(rules.seed, id, static_cast<std::uint64_t>(steps) + 2) >= kSurvival) return true;
-    const Float3 gained = power * (1 / kSurvival - 1);
-    sink.tally(Outcome::CutOff, -Double3(gained));
-    power += gained;
-    return false;
+    bookEnd(sink, end, photon, first, gained);
   }
 };
 

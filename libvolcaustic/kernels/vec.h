@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstdint>
 
-/// Marks what both machines compile.
+/// Marks what both machines compile. Where a file is compiled for one instruction set of the CPU, everything is inlined:
+/// a shared copy made there would be picked by the linker for the whole program (backends/lanes.h).
 #if defined(__CUDACC__)
 #define VOLCAUSTIC_HD __host__ __device__
+#elif defined(VOLCAUSTIC_INSTRUCTION_SET)
+#define VOLCAUSTIC_HD [[gnu::always_inline]]
 #else
 #define VOLCAUSTIC_HD
 #endif
@@ -72,6 +75,7 @@ template <class T>
 VOLCAUSTIC_HD constexpr T larger(T a, T b) {
   return a < b ? b : a;
 }
+/// v kept in [lo, hi]. smaller and larger have their own forms for lanes.
 template <class T>
 VOLCAUSTIC_HD constexpr T clampTo(T v, T lo, T hi) {
   return smaller(larger(v, lo), hi);

@@ -97,12 +97,13 @@ private:
         break;
       }
       const Int3 voxel = medium.voxelOf(ray.x);
-      const std::uint8_t step = medium.stepAt(voxel);
+      const std::int32_t step = medium.stepAt(voxel);
+      const Float3 towards = normalize(ray.v);
       const bool bends = step & kStepBendsBit;
       if (bends) sum.depth = smaller(sum.depth, travelled);
       const bool fine = bends || maxComponent(medium.opticsAt(voxel).scattering) > 0;
-      const float ds = fine ? rules.step : stepLength(medium, rules.march, ray.x, normalize(ray.v), voxel, step);
-      const StepResult next = advanceInBox(medium, rules.march, ray, ds);
+      const float ds = fine ? rules.step : stepLength(medium, rules.march, ray.x, towards, voxel, step);
+      const StepResult<float> next = advanceInBox(medium, rules.march, ray, towards, ds);
       if (!std::isfinite(next.ray.x.x + next.ray.x.y + next.ray.x.z)) {
         sink.count(Counter::NotFinite, 1);
         break;
@@ -123,16 +124,16 @@ private:
     const Optics& optics = medium.opticsAt(medium.voxelOf(middle));
     if (!(maxComponent(optics.attenuation) > 0)) return;
     const float ell = length(b.x - a);
-    const Float3 depth = optics.attenuation * ell;
+    const Float3 depth = optics.attenuation * ell, kept = decay(depth);
     if (maxComponent(optics.scattering) > 0) {
       // L/n^2 is what a ray conserves: light scattered at index n arrives multiplied by (n_camera/n)^2; |v| is n.
       const float phase = effectivePhase(direction.sample(middle), -normalize(b.v), optics.asymmetry);
       const float scale = phase * ell * rules.cameraIndex * rules.cameraIndex / dot(b.v, b.v);
-      const Float3 weight = transmitted * meanDecay(depth) * optics.scattering * scale;
+      const Float3 weight = transmitted * meanDecay(depth, kept) * optics.scattering * scale;
       sum.direct += weight * directLight.sample(middle);
       sum.caustic += weight * causticLight.sample(middle);
     }
-    transmitted *= decay(depth);
+    transmitted *= kept;
   }
 };
 

@@ -1,8 +1,11 @@
 #include "transport/direct.h"
 
+#include "backends/lanes.h"
 #include "core/parallel.h"
+#include "transport/footprint.h"
 
 #include <cmath>
+#include <limits>
 
 namespace volcaustic {
 
@@ -42,12 +45,6 @@ TileDepths tileDepths(const EmissionFrame& frame, std::span<const float> entry, 
   return t;
 }
 
-/// Cells [u0, u1) x [v0, v1) of a raster.
-struct Footprint {
-  int u0, u1, v0, v1;
-  [[nodiscard]] bool empty() const { return u0 >= u1 || v0 >= v1; }
-};
-
 class DirectEvaluator {
 public:
   DirectEvaluator(const FlatMediumStorage& flat, const Domain& domain, const Light& light, const EmissionFrame& frame,
@@ -60,20 +57,20 @@ public:
       , mStrength(light.type == LightType::Point
                       ? Double3(light.intensity[0], light.intensity[1], light.intensity[2])
                       : Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2]))
-      , mClear(kernels::maxComponent(flat.optics[0].attenuation) == 0) {}
+      , mClear(kernels::maxComponent(flat.optics[0].attenuation) == 0)
+      , mRegular(!frame.jitter && frame.depth0 < 1e5 && frame.cells() <= std::numeric_limits<std::int32_t>::max()) {}
 
   enum class Cover { Shadow, Lit, Mixed };
 
   /// Whether a cube of voxels lies wholly before the first bends, wholly behind them, or neither.
   [[nodiscard]] Cover cover(const Int3& low, int size) const {
-    double nearest, farthest;
-    const Footprint f = footprint(low, size, nearest, farthest);
+    const Footprint f = footprint(mFrame, Double3(low), size);
     if (f.empty()) return Cover::Shadow; // another face of the cube around the light sees it
     bool lit = true, shadow = !frameEdgeCuts(low, size);
     for (int ty = f.v0 / kTile; ty <= (f.v1 - 1) / kTile && (lit || shadow); ++ty)
       for (int tx = f.u0 / kTile; tx <= (f.u1 - 1) / kTile; ++tx) {
-        lit = lit && mTiles.nearest[ty * mTiles.columns + tx] >= farthest;
-        shadow = shadow && mTiles.farthest[ty * mTiles.columns + tx] <= nearest;
+        lit = lit && mTiles.nearest[ty * mTiles.columns + tx] >= f.farthest;
+        shadow = shadow && mTiles.farthest[ty * mTiles.columns + tx] <= f.nearest;
       }
     if (lit && !frameEdgeCuts(low, size)) return Cover::Lit;
     return shadow ? Cover::Shadow : Cover::Mixed;
@@ -81,22 +78,10 @@ public:
 
   /// Fraction of the voxel's light that has not met a bend: over the raster's rays that cross it, lit length by length.
   [[nodiscard]] double litFraction(const Int3& v) const {
-    double nearest, farthest;
-    const Footprint f = footprint(v, 1, nearest, farthest);
-    double lit = 0, all = 0;
-    for (int y = f.v0; y < f.v1; ++y)
-      for (int x = f.u0; x < f.u1; ++x) {
-        const std::int64_t cell = std::int64_t{y} * mFrame.columns + x;
-        const kernels::EmissionRay ray = mFrame.ray(cell);
-        const Double3 o = ray.origin - Double3(v);
-        const kernels::Span s = kernels::clipToBox({1, 1, 1}, o, ray.direction);
-        const double in = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
-        if (!(s.exit > in)) continue;
-        const double bend = mEntry[cell] == kernels::kNeverBends ? 1e300 : mEntry[cell] + mFrame.depth0;
-        all += s.exit - in;
-        lit += kernels::clampTo(bend - in, 0.0, s.exit - in);
-      }
-    return all > 0 ? lit / all : centreLit(v);
+    const Footprint f = footprint(mFrame, Double3(v), 1);
+    if (f.empty()) return centreLit(v);
+    const kernels::LitLengths<double> l = mRegular ? regularLengths(v, f) : anyLengths(v, f);
+    return l.all > 0 ? l.lit / l.all : centreLit(v);
   }
 
   /// Fluence of unobstructed light at the voxel's centre.
@@ -122,43 +107,45 @@ public:
   [[nodiscard]] bool uniformOverBrick() const { return mClear && !mFrame.point; }
 
 private:
-  /// A cube's position in the raster: plane coordinates of its corners, and nearest and farthest distance along the
-  /// rays.
-  [[nodiscard]] Footprint footprint(const Int3& low, int size, double& nearest, double& farthest) const {
-    double u0 = 1e300, u1 = -1e300, v0 = 1e300, v1 = -1e300;
-    nearest = 1e300;
-    farthest = -1e300;
-    for (int i = 0; i < 8; ++i) {
-      const Double3 r =
-          Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)) - mFrame.origin;
-      double u = dot(r, mFrame.axisU), v = dot(r, mFrame.axisV), depth = dot(r, mFrame.axisW);
-      if (mFrame.point) {
-        if (depth <= 0) {
-          // Partly beside the light: take the whole raster on that side.
-          u = u > 0 ? 1e9 : -1e9;
-          v = v > 0 ? 1e9 : -1e9;
-        } else {
-          u /= depth;
-          v /= depth;
-        }
-        depth = kernels::length(r);
-      }
-      u0 = std::min(u0, u);
-      u1 = std::max(u1, u);
-      v0 = std::min(v0, v);
-      v1 = std::max(v1, v);
-      nearest = std::min(nearest, depth);
-      farthest = std::max(farthest, depth);
+  /// Rays at the middles of their cells, in lanes.
+  [[nodiscard]] kernels::LitLengths<double> regularLengths(const Int3& v, const Footprint& f) const {
+    const Double3 r = Double3(v) + Double3(0.5) - mFrame.origin;
+    const double depth = dot(r, mFrame.axisW), distance = mFrame.point ? kernels::length(r) : depth;
+    const auto single = [](const Double3& a) { return kernels::Float3(a); };
+    kernels::LitView view{single(mFrame.axisU), single(mFrame.axisV), single(mFrame.axisW), {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                          mFrame.point};
+    if (mFrame.point) {
+      view.towards = single(r * (1 / distance));
+      view.distance = static_cast<float>(distance);
     }
-    // A cube is farther from a point light at its corners than at its faces' middles.
-    if (mFrame.point) nearest = std::max(0.0, nearest - size);
-    nearest -= mFrame.depth0;
-    farthest -= mFrame.depth0;
-    const auto cell = [](double at, int count) {
-      return static_cast<int>(kernels::clampTo(std::floor(at), 0.0, double(count)));
-    };
-    return {cell((u0 - mFrame.u0) / mFrame.du, mFrame.columns), cell((u1 - mFrame.u0) / mFrame.du + 1, mFrame.columns),
-            cell((v0 - mFrame.v0) / mFrame.dv, mFrame.rows), cell((v1 - mFrame.v0) / mFrame.dv + 1, mFrame.rows)};
+    view.u0 = static_cast<float>(mFrame.u0 + (f.u0 + 0.5) * mFrame.du - (mFrame.point ? 0 : dot(r, mFrame.axisU)));
+    view.v0 = static_cast<float>(mFrame.v0 + (f.v0 + 0.5) * mFrame.dv - (mFrame.point ? 0 : dot(r, mFrame.axisV)));
+    view.du = static_cast<float>(mFrame.du);
+    view.dv = static_cast<float>(mFrame.dv);
+    view.shift = static_cast<float>(mFrame.depth0 - distance);
+    view.columns = f.u1 - f.u0;
+    view.cells = view.columns * (f.v1 - f.v0);
+    view.first = f.v0 * mFrame.columns + f.u0;
+    view.mapStride = mFrame.columns;
+    const kernels::LitLengths<float> l = mLanes.litLengths(view, mEntry.data());
+    return {l.all, l.lit};
+  }
+
+  /// Rays anywhere in their cells, in double precision.
+  [[nodiscard]] kernels::LitLengths<double> anyLengths(const Int3& v, const Footprint& f) const {
+    kernels::LitLengths<double> sum{0, 0};
+    for (int y = f.v0; y < f.v1; ++y)
+      for (int x = f.u0; x < f.u1; ++x) {
+        const std::int64_t cell = std::int64_t{y} * mFrame.columns + x;
+        const kernels::EmissionRay ray = mFrame.ray(cell);
+        const kernels::Span s = kernels::clipToBox({1, 1, 1}, ray.origin - Double3(v), ray.direction);
+        const double in = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
+        if (!(s.exit > in)) continue;
+        const double bend = mEntry[cell] == kernels::kNeverBends ? 1e300 : mEntry[cell] + mFrame.depth0;
+        sum.all += s.exit - in;
+        sum.lit += kernels::clampTo(bend - in, 0.0, s.exit - in);
+      }
+    return sum;
   }
 
   /// Whether a cube of voxels reaches into another face of the cube around the light.
@@ -211,6 +198,8 @@ private:
   double mVoxelSize;
   Double3 mStrength;
   bool mClear;
+  bool mRegular; ///< rays at the middles of their cells, near enough for single precision, numbered with 32 bits
+  const LaneSet& mLanes = laneSet("");
 };
 
 Vec3f plus(const Vec3f& a, const Double3& b) {

@@ -7,7 +7,8 @@
 namespace volcaustic {
 
 inline kernels::MarchRules marchRules(const PhotonOptions& o) {
-  return {static_cast<float>(o.minStep), static_cast<float>(o.maxStep), o.scheme == Scheme::Euler};
+  return {static_cast<float>(o.minStep), static_cast<float>(o.maxStep), o.scheme == Scheme::Euler,
+          o.lookup == Lookup::Nearest};
 }
 
 } // namespace volcaustic

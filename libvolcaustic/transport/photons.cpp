@@ -2,14 +2,16 @@
 
 #include "volcaustic/photons.h"
 
-#include "backends/cpu.h"
-#include "kernels/photon.h"
-#include "transport/accumulators.h"
+#include "backends/photon_tracer.h"
+#include "core/parallel.h"
 #include "transport/direct.h"
 #include "transport/emission.h"
 #include "transport/march_rules.h"
 #include "transport/passes.h"
+#include "transport/reach.h"
+#include "volcaustic/error.h"
 #include "transport/smooth.h"
+#include "transport/tracers.h"
 #include "volume/radiance_bricks.h"
 
 #include <algorithm>
@@ -23,21 +25,26 @@ using kernels::Counter;
 using kernels::EmissionFrame;
 using kernels::Outcome;
 
-constexpr std::int64_t kEmissionGrain = 4096; // raster cells for one task
-constexpr std::int64_t kPhotonGrain = 256;    // photons for one task: a stretch of a raster row
-
 struct NumberedFrame {
   int light;
   EmissionFrame frame;
 };
 
-/// Upper bound of what the rasters can emit in one channel, W.
-double powerBound(std::span<const NumberedFrame> frames) {
-  double watts = 0;
-  for (const auto& [light, f] : frames)
-    watts +=
-        kernels::maxComponent(f.strength) * (f.point ? 4 * 3.14159265358979323846 : static_cast<double>(f.cells()));
-  return watts;
+/// Units of the sums. The strongest photon's light in a voxel is worth 2^15 to 2^17 units, so rounding costs a
+/// hundred-thousandth of it, evenly up and down; powers have room for all that the rasters can emit.
+FixedPoint fixedPoint(std::span<const NumberedFrame> frames) {
+  double watts = 0, photon = 0;
+  for (const auto& [light, f] : frames) {
+    const double strongest = kernels::maxComponent(f.strength);
+    watts += strongest * (f.point ? 4 * 3.14159265358979323846 : static_cast<double>(f.cells()));
+    photon = std::max(photon, strongest * (f.point ? f.du * f.dv : 1));
+  }
+  const auto exponentOf = [](double v) {
+    int exponent = 0;
+    std::frexp(v > 0 ? v : 1.0, &exponent);
+    return exponent;
+  };
+  return {std::ldexp(1.0, 16 - exponentOf(photon)), std::ldexp(1.0, 60 - exponentOf(watts))};
 }
 
 class PhotonPass {
@@ -50,10 +57,9 @@ public:
       , mCtx(ctx)
       , mFlat(flat)
       , mFrames(allFrames())
-      , mRules(powerBound(mFrames), ctx.effectiveMemoryLimit())
-      , mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0})} {
-    for (int i = 0; i < threadCount(ctx); ++i) mSinks.emplace_back(mFlat.brickDims, mRules);
-  }
+      , mScale(fixedPoint(mFrames))
+      , mTracer(makeTracer({flat.view(), rules(), mScale}, ctx))
+      , mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0})} {}
 
   PhotonResult run() {
     for (std::size_t i = 0; i < mFrames.size(); ++i) traceFrame(static_cast<int>(i));
@@ -72,23 +78,12 @@ private:
 
   void traceFrame(int number) {
     const auto& [light, frame] = mFrames[number];
-    mCtx.requireMemory(static_cast<std::uint64_t>(frame.cells()) * 2 * sizeof(float), "photons.grid");
+    mCtx.requireMemory(static_cast<std::uint64_t>(frame.cells()) * sizeof(float), "photons.grid");
     std::vector<float> entry(frame.cells());
-    const kernels::EmissionBody<CpuSink> emission{mFlat.view(), frame, entry.data()};
-    launchCpu(frame.cells(), kEmissionGrain, mCtx, {}, emission, std::span(mSinks));
-
-    std::vector<std::uint32_t> cells;
-    for (std::int64_t i = 0; i < frame.cells(); ++i)
-      if (entry[i] != kernels::kNeverBends) cells.push_back(static_cast<std::uint32_t>(i));
-
-    const kernels::PhotonBody<CpuSink> photons{mFlat.view(), frame, entry.data(), cells.data(), rules()};
-    RunContext ctx = mCtx;
-    if (mCtx.onProgress)
-      ctx.onProgress = [&](std::string_view stage, double f) {
-        mCtx.onProgress(stage, (number + f) / static_cast<double>(mFrames.size()));
-      };
-    launchCpu(static_cast<std::int64_t>(cells.size()), kPhotonGrain, ctx, "photons", photons, std::span(mSinks));
-
+    const ReachMap reach = reachOf(mFlat, frame);
+    const RowRange all{0, frame.rows};
+    mTracer->emit(frame, reach.view(), all, entry.data());
+    mTracer->trace(frame, all, entry.data());
     addDirectLight(mDirect, mFlat, mMedium.domain(), mLights[light], frame, entry, mCtx);
   }
 
@@ -96,32 +91,91 @@ private:
     return {marchRules(mOptions), mOptions.maxSteps, static_cast<float>(mOptions.cutoff), mOptions.roulette, mCtx.seed};
   }
 
-  /// Fixed-point sums to fluence, brick by brick; the caustic's direction sums go to `direction`.
-  void merge(BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) {
-    std::vector<std::int64_t> touched;
-    for (std::int64_t b = 0; b < caustic.brickCount(); ++b)
-      if (std::any_of(mSinks.begin(), mSinks.end(), [&](const CpuSink& s) { return s.brick(b) != nullptr; }))
-        touched.push_back(b);
-    mCtx.requireMemory(touched.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: caustic light");
-    caustic.activate(touched);
-    direction.activate(touched);
-    // Sums are W*voxel; fluence is their world length over the voxel's volume.
-    const double h = mMedium.domain().voxelSize, unit = 1 / (mRules.depositScale * h * h);
-    parallelFor(static_cast<std::int64_t>(touched.size()), 16, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+  /// Fixed-point sums to fluence, block by block; the caustic's direction sums go to `direction`. Returns what the
+  /// medium takes of that light, W.
+  Rgb merge(BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) {
+    mTracer->finish();
+    const std::vector<BlockOfBricks> blocks = touchedBlocks(caustic);
+    std::vector<std::int64_t> bricks;
+    for (const BlockOfBricks& b : blocks) bricks.insert(bricks.end(), b.bricks.begin(), b.bricks.end());
+    mCtx.requireMemory(bricks.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: caustic light");
+    caustic.activate(bricks, Fill::Later);
+    direction.activate(bricks, Fill::Later);
+
+    std::vector<Rgb> losses(blocks.size());
+    std::vector<char> dark(caustic.brickCount());
+    parallelFor(static_cast<std::int64_t>(blocks.size()), 1, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      BlockSums sums;
       for (std::int64_t i = begin; i < end; ++i) {
-        const auto light = caustic.voxels(touched[i]), towards = direction.voxels(touched[i]);
-        for (int k = 0; k < kBrickVoxels; ++k) {
-          std::array<std::int64_t, kSums> sums{};
-          for (const CpuSink& sink : mSinks)
-            if (const AccumulatorBrick* brick = sink.brick(touched[i]))
-              for (int c = 0; c < kSums; ++c) sums[c] += (*brick)[k][c];
-          for (int c = 0; c < 3; ++c) {
-            light[k][c] = static_cast<float>(static_cast<double>(sums[c]) * unit);
-            towards[k][c] = static_cast<float>(static_cast<double>(sums[3 + c]) * unit);
-          }
-        }
+        sums.clear();
+        mTracer->addBlock(blocks[i].number, sums);
+        for (const std::int64_t brick : blocks[i].bricks)
+          dark[brick] = !mergeBrick(brick, sums, caustic, direction, losses[i]);
       }
     });
+    for (const std::int64_t b : bricks)
+      if (dark[b]) {
+        caustic.release(b);
+        direction.release(b);
+      }
+    Rgb loss{0, 0, 0};
+    for (const Rgb& l : losses)
+      for (int c = 0; c < 3; ++c) loss[c] += l[c];
+    return loss;
+  }
+
+  struct BlockOfBricks {
+    std::int64_t number;
+    std::vector<std::int64_t> bricks; ///< inside the domain
+  };
+
+  [[nodiscard]] std::vector<BlockOfBricks> touchedBlocks(const BrickGrid<Vec3f>& grid) const {
+    constexpr int kEdge = kBlockEdge / kBrickSize;
+    const kernels::Int3 count = blockDims(mFlat.dims);
+    std::vector<BlockOfBricks> blocks;
+    std::int64_t number = 0;
+    for (int x = 0; x < count.x; ++x)
+      for (int y = 0; y < count.y; ++y)
+        for (int z = 0; z < count.z; ++z, ++number) {
+          if (!mTracer->touched(number)) continue;
+          BlockOfBricks block{number, {}};
+          for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
+            const Vec3i brick{x * kEdge + i / (kEdge * kEdge), y * kEdge + i / kEdge % kEdge, z * kEdge + i % kEdge};
+            const Vec3i& n = grid.brickDims();
+            if (brick[0] < n[0] && brick[1] < n[1] && brick[2] < n[2]) block.bricks.push_back(grid.brickIndex(brick));
+          }
+          blocks.push_back(std::move(block));
+        }
+    return blocks;
+  }
+
+  /// Writes one brick; false when it holds no light.
+  bool mergeBrick(std::int64_t brick, const BlockSums& sums, BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction,
+                  Rgb& loss) const {
+    // Sums are W*voxel; fluence is their world length over the voxel's volume. Attenuation is in 1/voxel: its part of
+    // W*voxel is W.
+    const double h = mMedium.domain().voxelSize, watts = 1 / mScale.deposit, unit = watts / (h * h);
+    const Vec3i c = caustic.brickCoord(brick);
+    const auto light = caustic.voxels(brick), towards = direction.voxels(brick);
+    const kernels::FlatMedium flat = mFlat.view();
+    bool lit = false;
+    const std::int32_t* low = sums.lowOnly();
+    for (int k = 0; k < kBrickVoxels; ++k) {
+      const int x = c[0] * 8 + (k >> 6), y = c[1] * 8 + ((k >> 3) & 7), z = c[2] * 8 + (k & 7);
+      const int voxel = blockOffset(x, y, z);
+      const std::int32_t* l = low + std::size_t(voxel) * 8;
+      const VoxelSums s = low ? VoxelSums{l[0], l[1], l[2], l[4], l[5], l[6]} : sums.at(voxel);
+      for (int i = 0; i < 3; ++i) {
+        light[k][i] = static_cast<float>(static_cast<double>(s[i]) * unit);
+        towards[k][i] = static_cast<float>(static_cast<double>(s[3 + i]) * unit);
+      }
+      if ((s[0] | s[1] | s[2]) == 0) continue;
+      lit = true;
+      if (!flat.attenuates) continue;
+      const kernels::Float3 a = flat.opticsAt({x, y, z}).attenuation;
+      for (int i = 0; i < 3; ++i) loss[i] += static_cast<double>(a[i]) * static_cast<double>(s[i]) * watts;
+    }
+    return lit;
   }
 
   PhotonResult finish() {
@@ -129,9 +183,10 @@ private:
     auto bricks = std::make_shared<RadianceBricks>();
     bricks->caustic = BrickGrid<Vec3f>(dims, {0, 0, 0});
     BrickGrid<Vec3f> causticDirection(dims, {0, 0, 0});
-    merge(bricks->caustic, causticDirection);
-    const EnergyBalance balance = balanceOf(bricks->caustic);
-    mSinks.clear();
+    const Rgb depositedLoss = merge(bricks->caustic, causticDirection);
+    EnergyBalance balance = balanceOfTallies();
+    balance.depositedLoss = depositedLoss;
+    mTracer.reset();
 
     if (mOptions.smooth) {
       bricks->caustic = smoothed(bricks->caustic, mCtx);
@@ -152,12 +207,17 @@ private:
       const float l = kernels::luminance(kernels::Float3(fa[0] + fb[0], fa[1] + fb[1], fa[2] + fb[2]));
       if (!(l > 0)) return {0, 0, 0};
       const kernels::Float3 d(kernels::Float3(a[0] + b[0], a[1] + b[1], a[2] + b[2]) * (1 / l));
-      const float len = kernels::length(d);
-      const float s = len > 1 ? 1 / len : 1; // rounding may carry a beam beyond 1
+      const float squared = kernels::dot(d, d);
+      const float s = squared > 1 ? 1 / std::sqrt(squared) : 1; // rounding may carry a beam beyond 1
       return {d.x * s, d.y * s, d.z * s};
     };
-    const auto at = [](const BrickGrid<Vec3f>& g, std::int64_t b, int k) {
-      return g.isConstant(b) ? g.constant(b) : g.voxels(b)[k];
+    // A brick as a step through its voxels, or no step through its one value.
+    struct Brick {
+      const Vec3f* values;
+      int step;
+      Brick(const BrickGrid<Vec3f>& g, std::int64_t b)
+          : values(g.isConstant(b) ? &g.constant(b) : g.voxels(b).data()), step(g.isConstant(b) ? 0 : 1) {}
+      const Vec3f& operator[](int k) const { return values[k * step]; }
     };
     std::vector<std::int64_t> varying;
     for (std::int64_t b = 0; b < mean.brickCount(); ++b)
@@ -167,32 +227,27 @@ private:
                                    light.direct.constant(b)));
       else
         varying.push_back(b);
-    mean.activate(varying);
+    mean.activate(varying, Fill::Later);
     parallelFor(static_cast<std::int64_t>(varying.size()), 16, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
       for (std::int64_t i = begin; i < end; ++i) {
-        const std::int64_t b = varying[i];
-        for (int k = 0; k < kBrickVoxels; ++k)
-          mean.voxels(b)[k] =
-              divide(at(causticSum, b, k), at(directSum, b, k), at(light.caustic, b, k), at(light.direct, b, k));
+        const Brick a(causticSum, varying[i]), b(directSum, varying[i]), fa(light.caustic, varying[i]),
+            fb(light.direct, varying[i]);
+        const auto out = mean.voxels(varying[i]);
+        for (int k = 0; k < kBrickVoxels; ++k) out[k] = divide(a[k], b[k], fa[k], fb[k]);
       }
     });
     return mean;
   }
 
-  [[nodiscard]] EnergyBalance balanceOf(const BrickGrid<Vec3f>& caustic) const {
+  [[nodiscard]] EnergyBalance balanceOfTallies() const {
     EnergyBalance e;
+    const PhotonTally tally = mTracer->tally();
     const auto watts = [&](Outcome o) {
-      std::array<std::int64_t, 3> t{};
-      for (const CpuSink& s : mSinks)
-        for (int c = 0; c < 3; ++c) t[c] += s.tallies(o)[c];
-      return Rgb{static_cast<double>(t[0]) / mRules.tallyScale, static_cast<double>(t[1]) / mRules.tallyScale,
-                 static_cast<double>(t[2]) / mRules.tallyScale};
+      const auto& t = tally.power[static_cast<int>(o)];
+      return Rgb{static_cast<double>(t[0]) / mScale.tally, static_cast<double>(t[1]) / mScale.tally,
+                 static_cast<double>(t[2]) / mScale.tally};
     };
-    const auto total = [&](Counter c) {
-      std::int64_t n = 0;
-      for (const CpuSink& s : mSinks) n += s.counts(c);
-      return n;
-    };
+    const auto total = [&](Counter c) { return tally.counts[static_cast<int>(c)]; };
     e.emitted = watts(Outcome::Emitted);
     e.absorbed = watts(Outcome::Absorbed);
     e.scattered = watts(Outcome::Scattered);
@@ -200,7 +255,6 @@ private:
     e.received = watts(Outcome::Received);
     e.cutOff = watts(Outcome::CutOff);
     e.tracedLoss = watts(Outcome::TracedLoss);
-    e.depositedLoss = lossInVolume(caustic);
     e.photonsEmitted = total(Counter::Emitted);
     e.photonsTraced = total(Counter::Traced);
     e.photonsAtStepLimit = total(Counter::StepLimit);
@@ -210,33 +264,14 @@ private:
     return e;
   }
 
-  /// Sum of attenuation * fluence * voxel volume, brick by brick in their order.
-  [[nodiscard]] Rgb lossInVolume(const BrickGrid<Vec3f>& caustic) const {
-    const kernels::FlatMedium flat = mFlat.view();
-    const double h = mMedium.domain().voxelSize, volumePerVoxel = h * h; // attenuation is in 1/voxel: h^3 * (1/h)
-    Rgb loss{0, 0, 0};
-    for (std::int64_t b = 0; b < caustic.brickCount(); ++b) {
-      if (caustic.isConstant(b)) continue;
-      const Vec3i c = caustic.brickCoord(b);
-      for (int k = 0; k < kBrickVoxels; ++k) {
-        const kernels::Int3 v{c[0] * 8 + (k >> 6), c[1] * 8 + ((k >> 3) & 7), c[2] * 8 + (k & 7)};
-        if (v.x >= flat.dims.x || v.y >= flat.dims.y || v.z >= flat.dims.z) continue;
-        const kernels::Float3 a = flat.opticsAt(v).attenuation;
-        const Vec3f& f = caustic.voxels(b)[k];
-        for (int i = 0; i < 3; ++i) loss[i] += static_cast<double>(a[i]) * f[i] * volumePerVoxel;
-      }
-    }
-    return loss;
-  }
-
   const Medium& mMedium;
   std::span<const Light> mLights;
   const PhotonOptions& mOptions;
   const RunContext& mCtx;
   const FlatMediumStorage& mFlat;
   std::vector<NumberedFrame> mFrames;
-  SinkRules mRules;
-  std::vector<CpuSink> mSinks;
+  FixedPoint mScale;
+  std::unique_ptr<PhotonTracer> mTracer;
   DirectLight mDirect;
 };
 

@@ -27,9 +27,10 @@ void traceRay(TracedRay& ray, const kernels::FlatMedium& medium, const kernels::
   ray.left = false;
   for (ray.steps = 0; ray.steps < maxSteps && !ray.left && length < limit; ++ray.steps) {
     const kernels::Int3 voxel = medium.voxelOf(r.x);
-    float ds = kernels::stepLength(medium, rules, r.x, kernels::normalize(r.v), voxel, medium.stepAt(voxel));
+    const Float3 towards = kernels::normalize(r.v);
+    float ds = kernels::stepLength(medium, rules, r.x, towards, voxel, medium.stepAt(voxel));
     ds = static_cast<float>(kernels::smaller<double>(ds, limit - length));
-    const kernels::StepResult step = kernels::advanceInBox(medium, rules, r, ds);
+    const kernels::StepResult<float> step = kernels::advanceInBox(medium, rules, r, towards, ds);
     // Half the step is drifted at the old speed, half at the new one.
     length += 0.5 * step.ds * (1 + kernels::length(step.ray.v) / kernels::length(r.v));
     r = step.ray;

@@ -1,12 +1,14 @@
 #include "transport/smooth.h"
 
+#include "backends/lanes.h"
 #include "core/parallel.h"
+#include "kernels/smooth.h"
 
 namespace volcaustic {
 
 namespace {
 
-constexpr int kBlock = kBrickSize + 2; // a brick and one voxel around it
+using kernels::kSmoothBlock;
 
 bool uniformNeighbourhood(const BrickGrid<Vec3f>& field, std::int64_t b) {
   if (!field.isConstant(b)) return false;
@@ -20,47 +22,58 @@ bool uniformNeighbourhood(const BrickGrid<Vec3f>& field, std::int64_t b) {
   return true;
 }
 
-Vec3f blend(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-  return {0.25f * (a[0] + c[0]) + 0.5f * b[0], 0.25f * (a[1] + c[1]) + 0.5f * b[1],
-          0.25f * (a[2] + c[2]) + 0.5f * b[2]};
-}
-
-/// The three passes over one brick, each shrinking the block by one voxel on both sides of its axis.
-class BrickSmoother {
+/// A brick and one voxel around it, row by row. Beyond the domain's faces stand the values before them.
+class Neighbourhood {
 public:
-  void run(const BrickGrid<Vec3f>& field, const Vec3i& brick, std::span<Vec3f> out) {
-    gather(field, brick);
-    for (int x = 0; x < 8; ++x)
-      for (int y = 0; y < kBlock; ++y)
-        for (int z = 0; z < kBlock; ++z)
-          mAfterX[(x * kBlock + y) * kBlock + z] = blend(in(x, y, z), in(x + 1, y, z), in(x + 2, y, z));
-    for (int x = 0; x < 8; ++x)
-      for (int y = 0; y < 8; ++y)
-        for (int z = 0; z < kBlock; ++z) {
-          const Vec3f* row = &mAfterX[(x * kBlock + y) * kBlock + z];
-          mAfterY[(x * 8 + y) * kBlock + z] = blend(row[0], row[kBlock], row[2 * kBlock]);
-        }
-    for (int x = 0; x < 8; ++x)
-      for (int y = 0; y < 8; ++y)
-        for (int z = 0; z < 8; ++z) {
-          const Vec3f* column = &mAfterY[(x * 8 + y) * kBlock + z];
-          out[(x * 8 + y) * 8 + z] = blend(column[0], column[1], column[2]);
-        }
+  explicit Neighbourhood(const BrickGrid<Vec3f>& field) : mField(field) {}
+
+  const float* gather(const Vec3i& brick) {
+    const Vec3i& dims = mField.dims();
+    bool inside = true;
+    for (int a = 0; a < 3; ++a) inside = inside && brick[a] > 0 && 8 * brick[a] + 8 < dims[a];
+    if (inside)
+      gatherInside(brick);
+    else
+      gatherAtFace(brick);
+    return mValues[0].data();
   }
 
 private:
-  void gather(const BrickGrid<Vec3f>& field, const Vec3i& brick) {
-    for (int x = 0; x < kBlock; ++x)
-      for (int y = 0; y < kBlock; ++y)
-        for (int z = 0; z < kBlock; ++z)
-          mIn[(x * kBlock + y) * kBlock + z] =
-              field.clamped(brick[0] * 8 + x - 1, brick[1] * 8 + y - 1, brick[2] * 8 + z - 1);
+  void gatherInside(const Vec3i& brick) {
+    const Vec3f* voxels[3][3][3]; // null: one value
+    Vec3f constants[3][3][3];
+    for (int i = 0; i < 27; ++i) {
+      const int x = i / 9, y = i / 3 % 3, z = i % 3;
+      const std::int64_t b = mField.brickIndex({brick[0] + x - 1, brick[1] + y - 1, brick[2] + z - 1});
+      voxels[x][y][z] = mField.isConstant(b) ? nullptr : mField.voxels(b).data();
+      constants[x][y][z] = mField.isConstant(b) ? mField.constant(b) : Vec3f{};
+    }
+    for (int x = -1; x <= 8; ++x)
+      for (int y = -1; y <= 8; ++y) {
+        const int bx = (x + 8) >> 3, by = (y + 8) >> 3, row = brickOffset(x, y, 0);
+        Vec3f* out = &mValues[((x + 1) * kSmoothBlock + y + 1) * kSmoothBlock];
+        const auto at = [&](int bz, int z) {
+          return voxels[bx][by][bz] ? voxels[bx][by][bz][row + z] : constants[bx][by][bz];
+        };
+        out[0] = at(0, 7);
+        if (const Vec3f* middle = voxels[bx][by][1])
+          std::copy_n(middle + row, 8, out + 1);
+        else
+          std::fill_n(out + 1, 8, constants[bx][by][1]);
+        out[9] = at(2, 0);
+      }
   }
-  [[nodiscard]] const Vec3f& in(int x, int y, int z) const { return mIn[(x * kBlock + y) * kBlock + z]; }
 
-  std::array<Vec3f, kBlock * kBlock * kBlock> mIn;
-  std::array<Vec3f, 8 * kBlock * kBlock> mAfterX;
-  std::array<Vec3f, 8 * 8 * kBlock> mAfterY;
+  void gatherAtFace(const Vec3i& brick) {
+    for (int x = 0; x < kSmoothBlock; ++x)
+      for (int y = 0; y < kSmoothBlock; ++y)
+        for (int z = 0; z < kSmoothBlock; ++z)
+          mValues[(x * kSmoothBlock + y) * kSmoothBlock + z] =
+              mField.clamped(brick[0] * 8 + x - 1, brick[1] * 8 + y - 1, brick[2] * 8 + z - 1);
+  }
+
+  const BrickGrid<Vec3f>& mField;
+  std::array<Vec3f, kSmoothBlock * kSmoothBlock * kSmoothBlock> mValues;
 };
 
 } // namespace
@@ -78,11 +91,12 @@ BrickGrid<Vec3f> smoothed(const BrickGrid<Vec3f>& field, const RunContext& ctx) 
     else
       result.setConstant(b, field.constant(b));
   ctx.requireMemory(bricks.size() * kBrickVoxels * sizeof(Vec3f), "photons: smoothing");
-  result.activate(bricks);
+  result.activate(bricks, Fill::Later);
+  const LaneSet& lanes = laneSet("");
   parallelFor(static_cast<std::int64_t>(bricks.size()), 16, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    BrickSmoother smoother;
+    Neighbourhood around(field);
     for (std::int64_t i = begin; i < end; ++i)
-      smoother.run(field, field.brickCoord(bricks[i]), result.voxels(bricks[i]));
+      lanes.smoothBrick(around.gather(field.brickCoord(bricks[i])), result.voxels(bricks[i]).data()->data());
   });
   return result;
 }

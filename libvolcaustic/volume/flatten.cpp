@@ -1,18 +1,19 @@
 #include "volume/flatten.h"
 
 #include "core/parallel.h"
+#include "volcaustic/error.h"
 #include "volume/grids.h"
 
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <unordered_map>
 
 namespace volcaustic {
 
 namespace {
 
-using kernels::BrickRecord;
 using kernels::FieldVoxel;
 using kernels::Float3;
 using kernels::Int3;
@@ -120,8 +121,14 @@ public:
     mOut.dims = {mDomain.dims[0], mDomain.dims[1], mDomain.dims[2]};
     mOut.brickDims = {bricks[0], bricks[1], bricks[2]};
     mOut.cap = static_cast<float>(options.cap);
-    mOut.bricks.resize(mIndex.brickCount());
+    const auto count = static_cast<std::size_t>(mIndex.brickCount());
+    mOut.fieldSlots = ZeroedTable<std::int32_t>(count);
+    mOut.stepSlots = ZeroedTable<std::int32_t>(count);
+    mOut.opticsSlots = ZeroedTable<std::int32_t>(count);
+    mOut.indexOffsets = ZeroedTable<float>(count);
+    mOut.bends = ZeroedTable<std::uint8_t>(count);
     const Ambient& a = medium.ambient();
+    mOut.ambientIndex = static_cast<float>(a.index);
     const auto f = [](const Rgb& c) { return Vec3f{float(c[0]), float(c[1]), float(c[2])}; };
     paletteEntry(f(a.attenuation), f(a.scattering), static_cast<float>(a.asymmetry)); // entry 0
   }
@@ -154,43 +161,66 @@ private:
     parallelFor(count, 256, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
       IndexBlock block;
       for (std::int64_t b = begin; b < end; ++b) {
-        mOut.bricks[b].index = mIndex.isConstant(b) ? mIndex.constant(b) : mIndex.voxels(b)[0];
+        const float n = mIndex.isConstant(b) ? mIndex.constant(b) : mIndex.voxels(b)[0];
+        if (n != mOut.ambientIndex) mOut.indexOffsets[b] = n - mOut.ambientIndex;
         if (surroundedByConstant(b)) continue;
         block.gather(mIndex, originOf(b));
         varies[b] = !block.flat();
       }
     });
-    std::int32_t slots = 0;
+    std::int32_t slots = 1; // slot 0: no gradient, for every brick without a slot
     for (std::int64_t b = 0; b < count; ++b)
-      if (varies[b]) mOut.bricks[b].field = slots++;
+      if (varies[b]) mOut.fieldSlots[b] = nextSlot(slots);
+    mCtx.requireMemory(std::uint64_t(slots) * kernels::kFieldVoxels * sizeof(FieldVoxel), "stepField: index field");
     mOut.fields.resize(std::size_t(slots) * kernels::kFieldVoxels);
+  }
+
+  /// Kernels address voxel arrays with 32 bits, and floats of a field voxel too.
+  static std::int32_t nextSlot(std::int32_t& slots) {
+    constexpr std::int32_t kMostSlots = std::numeric_limits<std::int32_t>::max() / (4 * kernels::kFieldVoxels);
+    if (slots == kMostSlots)
+      throw Error(ErrorKind::Input, "volume: light bends in more than " + std::to_string(kMostSlots) +
+                                        " bricks of 8x8x8 voxels; lower the resolution");
+    return slots++;
+  }
+
+  /// Whether the brick's step bytes are one value.
+  [[nodiscard]] bool stepsAreConstant(std::int64_t b) const {
+    return mOut.fieldSlots[b] == 0 && mOut.opticsSlots[b] <= 0 && !mSteps->tree().probeConstLeaf(coordOf(b));
   }
 
   void fillFieldsAndSteps() {
     // A brick has step bytes of its own where labels differ inside it, where light bends in a part of it, or where the
     // optics do; slots first, bytes in parallel.
     const std::int64_t count = mIndex.brickCount();
-    std::int32_t slots = 0;
+    std::vector<std::int16_t> bytes(count, -1);
+    std::array<std::int64_t, 256> frequency{};
+    std::int32_t slots = 1;
     for (std::int64_t b = 0; b < count; ++b) {
-      BrickRecord& record = mOut.bricks[b];
-      if (record.field >= 0 || record.optics >= 0 || mSteps->tree().probeConstLeaf(coordOf(b))) {
-        record.steps = slots++;
-      } else {
-        record.bends = record.constantOptics != 0;
-        record.step = stepByte(mSteps->tree().getValue(coordOf(b)), record.bends);
+      if (!stepsAreConstant(b)) {
+        mOut.stepSlots[b] = nextSlot(slots);
+        continue;
       }
+      const bool bends = mOut.opticsSlots[b] != 0;
+      if (bends) mOut.bends[b] = 1;
+      bytes[b] = stepByte(mSteps->tree().getValue(coordOf(b)), bends);
+      ++frequency[bytes[b]];
     }
-    mOut.steps.resize(std::size_t(slots) * kernels::kStepVoxels);
+    mOut.ambientStep = static_cast<std::int32_t>(std::max_element(frequency.begin(), frequency.end()) - frequency.begin());
+    for (std::int64_t b = 0; b < count; ++b)
+      if (bytes[b] >= 0 && bytes[b] != mOut.ambientStep) mOut.stepSlots[b] = ~std::int32_t{bytes[b]};
+
+    mOut.steps.resize(std::size_t(slots) * kernels::kStepVoxels + kernels::kStepPadding);
+    std::fill_n(mOut.steps.begin(), kernels::kStepVoxels, static_cast<std::uint8_t>(mOut.ambientStep));
     parallelFor(count, 64, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
       IndexBlock block;
       FieldFilter filter;
       openvdb::Int32Grid::ConstAccessor labels(mSteps->getConstAccessor());
       for (std::int64_t b = begin; b < end; ++b) {
-        const BrickRecord& record = mOut.bricks[b];
-        if (record.steps < 0) continue;
-        if (record.field >= 0) {
+        if (mOut.stepSlots[b] <= 0) continue;
+        if (mOut.fieldSlots[b] > 0) {
           block.gather(mIndex, originOf(b));
-          filter.run(block, mOut.fields.data() + std::size_t(record.field) * kernels::kFieldVoxels);
+          filter.run(block, mOut.fields.data() + std::size_t(mOut.fieldSlots[b]) * kernels::kFieldVoxels);
         }
         fillSteps(b, block, labels);
       }
@@ -198,21 +228,21 @@ private:
   }
 
   void fillSteps(std::int64_t b, const IndexBlock& block, const openvdb::Int32Grid::ConstAccessor& labels) {
-    BrickRecord& record = mOut.bricks[b];
-    std::uint8_t* out = mOut.steps.data() + std::size_t(record.steps) * kernels::kStepVoxels;
+    std::uint8_t* out = mOut.steps.data() + std::size_t(mOut.stepSlots[b]) * kernels::kStepVoxels;
+    const std::int32_t opticsSlot = mOut.opticsSlots[b];
+    const bool hasField = mOut.fieldSlots[b] > 0;
     std::array<bool, 1000> curved{};
-    if (record.field >= 0) markCurved(block, curved);
+    if (hasField) markCurved(block, curved);
     const openvdb::Coord origin = coordOf(b);
     for (int x = 0; x < 8; ++x)
       for (int y = 0; y < 8; ++y)
         for (int z = 0; z < 8; ++z) {
           const int i = brickOffset(x, y, z);
-          const std::uint32_t optics = record.optics < 0
-                                           ? static_cast<std::uint32_t>(record.constantOptics)
-                                           : mOut.voxelOptics[std::size_t(record.optics) * kernels::kStepVoxels + i];
-          const bool bends = optics != 0 || (record.field >= 0 && touchesCurved(curved, x, y, z));
+          const std::int32_t optics =
+              opticsSlot <= 0 ? -opticsSlot : mOut.voxelOptics[std::size_t(opticsSlot) * kernels::kStepVoxels + i];
+          const bool bends = optics != 0 || (hasField && touchesCurved(curved, x, y, z));
           out[i] = stepByte(labels.getValue(origin.offsetBy(x, y, z)), bends);
-          record.bends = record.bends || bends;
+          if (bends) mOut.bends[b] = 1;
         }
   }
 
@@ -247,27 +277,30 @@ private:
 
   /// Distinct optics once each; bricks and voxels refer to them by number.
   void fillOptics() {
+    mOut.voxelOptics.resize(kernels::kStepVoxels); // slot 0
+    std::int32_t slots = 1;
     for (std::int64_t b = 0; b < mIndex.brickCount(); ++b) {
-      BrickRecord& record = mOut.bricks[b];
       if (mAttenuation.isConstant(b) && mScattering.isConstant(b) && mAsymmetry.isConstant(b)) {
-        record.constantOptics = static_cast<std::int32_t>(
-            paletteEntry(mAttenuation.constant(b), mScattering.constant(b), mAsymmetry.constant(b)));
+        const std::int32_t entry =
+            paletteEntry(mAttenuation.constant(b), mScattering.constant(b), mAsymmetry.constant(b));
+        if (entry != 0) mOut.opticsSlots[b] = -entry;
         continue;
       }
-      record.optics = static_cast<std::int32_t>(mOut.voxelOptics.size() / kernels::kStepVoxels);
+      mOut.opticsSlots[b] = nextSlot(slots);
       const auto value = [b](const auto& grid, int i) {
         return grid.isConstant(b) ? grid.constant(b) : grid.voxels(b)[i];
       };
       for (int i = 0; i < kBrickVoxels; ++i)
         mOut.voxelOptics.push_back(paletteEntry(value(mAttenuation, i), value(mScattering, i), value(mAsymmetry, i)));
     }
+    for (const Optics& o : mOut.optics) mOut.attenuates = mOut.attenuates || kernels::maxComponent(o.attenuation) > 0;
   }
 
-  std::uint32_t paletteEntry(const Vec3f& attenuation, const Vec3f& scattering, float asymmetry) {
+  std::int32_t paletteEntry(const Vec3f& attenuation, const Vec3f& scattering, float asymmetry) {
     const std::array<float, 7> key{attenuation[0], attenuation[1], attenuation[2], scattering[0],
                                    scattering[1],  scattering[2],  asymmetry};
     if (!mOut.optics.empty() && key == mLastKey) return mLastEntry;
-    const auto [it, added] = mPalette.try_emplace(key, static_cast<std::uint32_t>(mOut.optics.size()));
+    const auto [it, added] = mPalette.try_emplace(key, static_cast<std::int32_t>(mOut.optics.size()));
     if (added) {
       const float h = static_cast<float>(mDomain.voxelSize);
       mOut.optics.push_back({Float3(key[0], key[1], key[2]) * h, Float3(key[3], key[4], key[5]) * h, asymmetry});
@@ -304,21 +337,42 @@ private:
   BrickGrid<Vec3f> mAttenuation, mScattering;
   BrickGrid<float> mAsymmetry;
   openvdb::Int32Grid::Ptr mSteps;
-  std::unordered_map<std::array<float, 7>, std::uint32_t, KeyHash> mPalette;
+  std::unordered_map<std::array<float, 7>, std::int32_t, KeyHash> mPalette;
   std::array<float, 7> mLastKey{};
-  std::uint32_t mLastEntry = 0;
+  std::int32_t mLastEntry = 0;
   FlatMediumStorage mOut;
 };
 
 } // namespace
 
 kernels::FlatMedium FlatMediumStorage::view() const {
-  return {dims, brickDims, bricks.data(), fields.data(), steps.data(), voxelOptics.data(), optics.data(), cap};
+  kernels::FlatMedium m;
+  m.dims = dims;
+  m.brickDims = brickDims;
+  m.fieldSlots = fieldSlots.data();
+  m.indexOffsets = indexOffsets.data();
+  m.stepSlots = stepSlots.data();
+  m.opticsSlots = opticsSlots.data();
+  m.bends = bends.data();
+  m.fields = fields.data();
+  m.steps = steps.data();
+  m.voxelOptics = voxelOptics.data();
+  m.optics = optics.data();
+  m.ambientIndex = ambientIndex;
+  m.ambientStep = ambientStep;
+  m.cap = cap;
+  m.attenuates = attenuates;
+  m.fieldCount = static_cast<std::int64_t>(fields.size());
+  m.stepCount = static_cast<std::int64_t>(steps.size());
+  m.voxelOpticsCount = static_cast<std::int64_t>(voxelOptics.size());
+  m.opticsCount = static_cast<std::int64_t>(optics.size());
+  return m;
 }
 
 std::size_t FlatMediumStorage::memoryBytes() const {
-  return bricks.size() * sizeof(BrickRecord) + fields.size() * sizeof(FieldVoxel) + steps.size() +
-         voxelOptics.size() * sizeof(std::uint32_t) + optics.size() * sizeof(Optics);
+  return fieldSlots.size() * (3 * sizeof(std::int32_t) + sizeof(float) + sizeof(std::uint8_t)) +
+         fields.size() * sizeof(FieldVoxel) + steps.size() + voxelOptics.size() * sizeof(std::int32_t) +
+         optics.size() * sizeof(Optics);
 }
 
 FlatMediumStorage flattenMedium(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx) {

@@ -1,6 +1,7 @@
 // The last form of a medium: arrays that the kernels read, on this machine or on another.
 #pragma once
 
+#include "core/zeroed_table.h"
 #include "kernels/flat_medium.h"
 #include "volcaustic/medium.h"
 
@@ -11,14 +12,20 @@ namespace volcaustic {
 /// Owns what kernels::FlatMedium points at.
 struct FlatMediumStorage {
   kernels::Int3 dims, brickDims;
-  std::vector<kernels::BrickRecord> bricks;
+  ZeroedTable<std::int32_t> fieldSlots, stepSlots, opticsSlots;
+  ZeroedTable<float> indexOffsets;
+  ZeroedTable<std::uint8_t> bends;
   std::vector<kernels::FieldVoxel> fields;
   std::vector<std::uint8_t> steps;
-  std::vector<std::uint32_t> voxelOptics;
+  std::vector<std::int32_t> voxelOptics;
   std::vector<kernels::Optics> optics;
+  float ambientIndex = 1;
+  std::int32_t ambientStep = 0;
   float cap = 2;
+  bool attenuates = false;
 
   [[nodiscard]] kernels::FlatMedium view() const;
+  /// Of the arrays; pages of the tables that nothing was written to count too.
   [[nodiscard]] std::size_t memoryBytes() const;
 };
 

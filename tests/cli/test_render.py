@@ -15,7 +15,7 @@ class Trace(ProgramCase):
         self.scene = self.write_small_scene()
 
     def test_the_report_is_whole(self):
-        report = self.report("trace", self.scene, "-o", self.path("o.vdb"), "--threads", "1", "--seed", "7")
+        report = self.report("trace", self.scene, "-o", self.path("o.vdb"), "--threads", "1", "--seed", "7", "--device", "cpu")
         self.assertEqual(report["inputs"], [self.scene])
         self.assertEqual(report["outputs"], [self.path("o.vdb")])
         self.assertEqual((report["command"], report["device"], report["threads"], report["seed"]), ("trace", "cpu", 1, 7))

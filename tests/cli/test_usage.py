@@ -8,7 +8,7 @@ import unittest
 from program import PROGRAM, ProgramCase
 
 COMMANDS = ["mesh2vdb", "vdb2mesh", "trace", "render", "info", "compare", "convert", "scene check", "scene schema",
-            "scene new", "devices", "completion bash", "help"]
+            "scene new", "bench", "devices", "completion bash", "help"]
 
 
 class Help(ProgramCase):
@@ -46,6 +46,7 @@ class WrongUsage(ProgramCase):
                 ["mesh2vdb", mesh, "-o", out, "--resolution", "8", "--voxel-size", "0.1"],
                 ["mesh2vdb", mesh, mesh, "-o", out], ["mesh2vdb", mesh, mesh, "-o", self.path("{}.vdb")],
                 ["mesh2vdb", mesh, "-o", out, "--nonsense"], ["mesh2vdb", mesh, "-o", out, "--device", "gpu"],
+                ["mesh2vdb", mesh, "-o", out, "--device", "cpu:sse2"], ["trace", scene, "-o", out, "--device", "hybrid:7"],
                 ["trace", scene], ["trace", scene, "-o", out, "--set", "photons.gird=[8,8]"],
                 ["trace", scene, "-o", out, "--set", "photons.grid=[0,8]"], ["trace", scene, "-o", out, "--frames", "5-2"],
                 ["trace", scene, "-o", self.path("a.####.vdb")], ["trace", scene, "-o", "-", "--json"],
@@ -68,16 +69,41 @@ class Devices(ProgramCase):
         devices = self.report("devices")["devices"]
         self.assertEqual(devices[0]["id"], "cpu")
         self.assertTrue(devices[0]["usable"])
+        self.assertRegex(devices[0]["name"], r"\((avx512|avx2|scalar)\)$")
         for device in devices:
             self.assertTrue(device["usable"] or device["reason"])
         self.assertIn("cpu", self.succeed("devices").stdout)
 
     def test_a_device_that_cannot_be_used_is_status_4_with_its_reason(self):
-        mesh = self.write("octahedron.obj", "")
-        for device in ["cuda", "cuda:99", "hybrid"]:
-            with self.subTest(device=device):
-                line = self.fail_with(4, "mesh2vdb", mesh, "-o", self.path("o.vdb"), "--device", device)
-                self.assertIn(f"--device {device}: ", line)
+        scene, out = self.write_small_scene(), self.path("o.vdb")
+        gpu = any(d["usable"] for d in self.report("devices")["devices"][1:])
+        for device in ["cuda:99"] if gpu else ["cuda", "cuda:0", "cuda:99", "hybrid", "hybrid:0.5"]:
+            for command in (["mesh2vdb", self.path("octahedron.obj"), "-o", out], ["trace", scene, "-o", out]):
+                with self.subTest(device=device, command=command[0]):
+                    line = self.fail_with(4, *command, "--device", device)
+                    self.assertIn(f"--device {device}: ", line)
+                    self.assertIn("use cpu", line)
+        self.assertNotIn("o.vdb", self.files())
+
+    def test_auto_computes_on_what_is_here_without_a_word(self):
+        scene = self.write_small_scene()
+        usable = [d["id"] for d in self.report("devices")["devices"] if d["usable"]]
+        done = self.succeed("trace", scene, "-o", self.path("auto.vdb"), "--device", "auto", "--json")
+        self.assertEqual(json.loads(done.stdout)["device"], (usable[1:] or usable)[0])
+        self.assertNotIn("warning", done.stderr)
+        self.assertNotIn("cuda", done.stderr)
+
+    def test_every_instruction_set_gives_the_same_light(self):
+        scene = self.write_small_scene()
+        self.succeed("trace", scene, "-o", self.path("scalar.vdb"), "--device", "cpu:scalar")
+        for lanes in ["avx2", "avx512"]:
+            done = self.call("trace", scene, "-o", self.path("lanes.vdb"), "--device", f"cpu:{lanes}", "--json")
+            if done.returncode == 4:  # not on this processor
+                self.assertEqual(len(done.stderr.splitlines()), 1)
+                continue
+            self.assertEqual((done.returncode, json.loads(done.stdout)["device"]), (0, f"cpu:{lanes}"), done.stderr)
+            self.succeed("compare", self.path("scalar.vdb"), self.path("lanes.vdb"), "--metric", "rmse",
+                         "--threshold", "0.01")
 
 
 class Completion(ProgramCase):

@@ -1,11 +1,7 @@
 // Rays through fields in closed form, carried by the kernels of the photon pass, against the tables of reference/.
 
-#include "support/csv.h"
-#include "support/fields.h"
+#include "support/ray_tables.h"
 #include "support/shared_data.h"
-#include "volcaustic/photons.h"
-
-#include <cmath>
 
 namespace volcaustic::test {
 namespace {
@@ -17,48 +13,12 @@ struct Case {
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
-struct Errors {
-  double position = 0, direction = 0, momentum = 0; // rms: voxels, degrees, |v| - n
-};
-
-std::vector<TracedRay> startsOf(const Table& t) {
-  std::vector<TracedRay> rays;
-  for (std::size_t i = 0; i < t.at("ray").size(); ++i) {
-    TracedRay r;
-    r.position = {t.at("x0")[i], t.at("y0")[i], t.at("z0")[i]};
-    r.direction = {t.at("dx0")[i], t.at("dy0")[i], t.at("dz0")[i]};
-    const double inside = 1e-6;
-    bool endsInside = true;
-    for (const char* c : {"x1", "y1", "z1"}) endsInside = endsInside && t.at(c)[i] > inside && t.at(c)[i] < 1 - inside;
-    if (endsInside) r.length = t.at("length")[i];
-    rays.push_back(r);
-  }
-  return rays;
-}
-
-Errors errorsOf(const Table& t, const std::vector<TracedRay>& rays, const IndexField& n, int resolution) {
-  Errors e;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const Vec3d x{t.at("x1")[i], t.at("y1")[i], t.at("z1")[i]}, d{t.at("dx1")[i], t.at("dy1")[i], t.at("dz1")[i]};
-    double cosine = 0;
-    for (int a = 0; a < 3; ++a) cosine += d[a] * rays[i].direction[a];
-    const double sine = std::hypot(d[1] * rays[i].direction[2] - d[2] * rays[i].direction[1],
-                                   d[2] * rays[i].direction[0] - d[0] * rays[i].direction[2],
-                                   d[0] * rays[i].direction[1] - d[1] * rays[i].direction[0]);
-    e.position += std::pow(distanceTo(rays[i].position, x[0], x[1], x[2]) * resolution, 2);
-    e.direction += std::pow(std::atan2(sine, cosine) * 180 / 3.14159265358979, 2);
-    e.momentum += std::pow(rays[i].opticalMomentum - n(rays[i].position), 2);
-  }
-  const double count = static_cast<double>(rays.size());
-  return {std::sqrt(e.position / count), std::sqrt(e.direction / count), std::sqrt(e.momentum / count)};
-}
-
-Errors run(const std::string& name, const Table& table, int resolution, const PhotonOptions& options = {},
-           const StepFieldOptions& stepField = {}) {
+ExitError run(const std::string& name, const Table& table, int resolution, const PhotonOptions& options = {},
+              const StepFieldOptions& stepField = {}) {
   const Medium medium = sampleMedium(unitCube(resolution), {}, indexField(name));
   auto rays = startsOf(table);
   traceRays(medium, rays, stepField, options);
-  return errorsOf(table, rays, indexField(name), resolution);
+  return rootMeanSquare(exitErrors(table, rays, indexField(name), resolution));
 }
 
 class RayTable : public testing::TestWithParam<Case> {};
@@ -68,7 +28,7 @@ TEST_P(RayTable, ExitsWithinBoundsAt256) {
   VOLCAUSTIC_NEED_SHARED(path);
   PhotonOptions everyVoxel;
   everyVoxel.maxStep = 1;
-  const Errors e = run(GetParam().name, readCsv(path), 256, everyVoxel);
+  const ExitError e = run(GetParam().name, readCsv(path), 256, everyVoxel);
   RecordProperty("position_voxels_rms", std::to_string(e.position));
   RecordProperty("direction_degrees_rms", std::to_string(e.direction));
   std::printf("  %-16s position %.4f voxel rms, direction %.4f degrees rms, |v|-n %.2e rms\n", GetParam().name,

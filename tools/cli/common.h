@@ -31,7 +31,10 @@ struct CommonOptions {
   std::string device = "auto";
   std::uint64_t memoryLimit = 0;
   bool quiet = false, verbose = false, json = false;
+  std::string jsonFile; ///< where the report goes as well, for commands whose own --json takes a file
 };
+inline constexpr const char* kCommonOptions = "Common options"; ///< their group in the help
+/// A command that has declared a --json of its own keeps it.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 
 /// Adds a subcommand whose `Options` live as long as the parser. `declare` adds its flags, `run` does its work. Options
@@ -56,7 +59,10 @@ public:
   [[nodiscard]] const RunContext& context() const { return mContext; }
   [[nodiscard]] Console& console() { return mConsole; }
   [[nodiscard]] bool json() const { return mJson; }
+  /// What computes: the CPU, before tracesPhotons().
   [[nodiscard]] const std::string& device() const { return mDevice; }
+  /// Says that the command traces photons, so that the device asked for takes part in it.
+  void tracesPhotons();
   /// The report's fields that are this subcommand's own.
   [[nodiscard]] Json& report() { return mReport; }
 
@@ -77,7 +83,7 @@ public:
     }
   }
 
-  /// Prints the report when it was asked for.
+  /// Prints the report, or writes it to its file, when it was asked for.
   void finish();
 
 private:
@@ -85,8 +91,9 @@ private:
 
   Console mConsole;
   RunContext mContext;
-  std::string mDevice;
+  std::string mDevice = "cpu";
   bool mJson;
+  std::string mJsonFile;
   Json mReport;
 };
 
@@ -97,6 +104,7 @@ void addInfoCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action);
 void addConvertCommand(CLI::App& app, Action& action);
 void addSceneCommands(CLI::App& app, Action& action);
+void addBenchCommand(CLI::App& app, Action& action);
 void addDevicesCommand(CLI::App& app, Action& action);
 void addCompletionCommand(CLI::App& app, Action& action);
 

@@ -105,6 +105,7 @@ int run(int argc, char** argv) {
   addCompareCommand(app, action);
   addConvertCommand(app, action);
   addSceneCommands(app, action);
+  addBenchCommand(app, action);
   addDevicesCommand(app, action);
   addCompletionCommand(app, action);
   addHelpCommand(app, action);

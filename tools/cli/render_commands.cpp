@@ -142,6 +142,7 @@ void declareTrace(CLI::App& command, Trace& o) {
 
 int runTrace(const Trace& o) {
   Job job("trace", o.common);
+  job.tracesPhotons();
   if (job.json() && o.run.outputs.front() == "-")
     throw Error(ErrorKind::Usage, "--json: standard output is taken by -o -; write to a file");
   FrameSession frames(job, o.run);
@@ -190,6 +191,7 @@ void writePictures(Job& job, const Render& o, const ViewResult& view, const Sess
 
 int runRender(const Render& o) {
   Job job("render", o.common);
+  if (o.radiance.empty()) job.tracesPhotons();
   FrameSession frames(job, o.run);
   if (!o.radiance.empty()) job.addInput(o.radiance);
   forEachFrame(job, o.run, FileKind::Image, [&](int frame, const std::vector<std::string>& outputs, Json& result) {

@@ -38,6 +38,7 @@ struct AutomaticBox {
 
 constexpr std::array<const char*, 3> enumNames(FillRule) { return {"auto", "exact", "winding"}; }
 constexpr std::array<const char*, 2> enumNames(Scheme) { return {"driftKickDrift", "euler"}; }
+constexpr std::array<const char*, 2> enumNames(Lookup) { return {"trilinear", "nearest"}; }
 constexpr std::array<const char*, 2> enumNames(LightType) { return {"directional", "point"}; }
 
 inline constexpr std::array<int, 4> kSupersampleChoices{1, 2, 4, 8};
@@ -99,6 +100,7 @@ template <class Visitor>
 void describe(Visitor&& visit, PhotonOptions& o) {
   visit("grid", o.grid, FieldDoc{"photon raster of each light, columns and rows", "photons", 1, 65536});
   visit("scheme", o.scheme, FieldDoc{"how a photon is carried: second order, or the paper's equations (6) and (7)"});
+  visit("lookup", o.lookup, FieldDoc{"how n and its gradient are read between voxel centres"});
   visit("minStep", o.minStep, FieldDoc{"shortest step", "voxels", 0.01, 64});
   visit("maxStep", o.maxStep, FieldDoc{"longest step", "voxels", 0.01, 4096});
   visit("maxSteps", o.maxSteps, FieldDoc{"steps after which a photon is cut off and counted", "", 1, kHuge});

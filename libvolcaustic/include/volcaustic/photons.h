@@ -35,9 +35,16 @@ enum class Scheme {
   Euler           ///< VD equations (6) and (7)
 };
 
+/// How n and its gradient are read between voxel centres.
+enum class Lookup {
+  Trilinear, ///< of the eight voxel centres around
+  Nearest    ///< of the voxel that the photon is in
+};
+
 struct PhotonOptions {
   std::array<int, 2> grid{1024, 1024}; ///< raster through which each light sees the domain's box
   Scheme scheme = Scheme::DriftKickDrift;
+  Lookup lookup = Lookup::Trilinear;
   double minStep = 1;    ///< shortest step, in voxels
   double maxStep = 64;   ///< longest step, in voxels
   int maxSteps = 20000;  ///< a photon that needs more is cut off and counted

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
 
 namespace volcaustic {
@@ -18,6 +19,11 @@ struct VOLCAUSTIC_API RunContext {
   int threads = 0;               ///< CPU threads; 0 takes all of them. Results do not depend on it.
   std::uint64_t seed = 0;        ///< selects the jitter of photons and of pixel samples
   std::uint64_t memoryLimit = 0; ///< bytes that one call may allocate; 0 means three quarters of physical memory
+  /// Where photons are traced: "auto" (a GPU when one is usable, else the CPU), "cpu" or with an instruction set
+  /// "cpu:scalar", "cpu:avx2", "cpu:avx512", "cuda" or one of several "cuda:1", "hybrid" (both, balanced while it runs)
+  /// or with the CPU's share of the rows "hybrid:0.2". "auto" falls back to the CPU when the GPU's memory does not do;
+  /// any other throws Error(Device).
+  std::string device = "auto";
   /// Called with the stage's name and the fraction done, 0 to 1.
   std::function<void(std::string_view stage, double fraction)> onProgress;
   std::function<void(LogLevel, std::string_view line)> onLog;

@@ -1,0 +1,229 @@
+// Lanes over Google Highway: as many floats as the instruction set that this file is compiled for holds in a register.
+// Included only by sources that are compiled once for each instruction set, with VOLCAUSTIC_INSTRUCTION_SET defined.
+#pragma once
+
+#include "kernels/flat_medium.h"
+
+#define HWY_COMPILE_ONLY_STATIC
+#include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
+
+namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatTag = hn::ScalableTag<float>;
+using IntTag = hn::ScalableTag<std::int32_t>;
+inline constexpr int kLanes = static_cast<int>(HWY_LANES(float));
+
+struct Mask {
+  hn::Mask<FloatTag> m;
+};
+/// The same lanes seen by integers.
+VOLCAUSTIC_HD inline hn::Mask<IntTag> integers(const Mask& a) { return hn::RebindMask(IntTag(), a.m); }
+
+struct Float {
+  hn::Vec<FloatTag> v;
+
+  Float() = default;
+  VOLCAUSTIC_HD explicit Float(hn::Vec<FloatTag> v_) : v(v_) {}
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  VOLCAUSTIC_HD explicit Float(Number s) : v(hn::Set(FloatTag(), static_cast<float>(s))) {}
+  VOLCAUSTIC_HD Float operator-() const { return Float(hn::Neg(v)); }
+  VOLCAUSTIC_HD friend Float operator+(Float a, Float b) { return Float(hn::Add(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Float operator-(Float a, Float b) { return Float(hn::Sub(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Float operator*(Float a, Float b) { return Float(hn::Mul(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Mask operator<(Float a, Float b) { return {hn::Lt(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend Mask operator>(Float a, Float b) { return {hn::Gt(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend Mask operator<=(Float a, Float b) { return {hn::Le(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend Mask operator>=(Float a, Float b) { return {hn::Ge(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend Mask operator==(Float a, Float b) { return {hn::Eq(a.v, b.v)}; }
+};
+
+struct Int {
+  hn::Vec<IntTag> v;
+
+  Int() = default;
+  VOLCAUSTIC_HD explicit Int(hn::Vec<IntTag> v_) : v(v_) {}
+  VOLCAUSTIC_HD explicit Int(std::int32_t s) : v(hn::Set(IntTag(), s)) {}
+  VOLCAUSTIC_HD Int operator-() const { return Int(hn::Neg(v)); }
+  VOLCAUSTIC_HD Int operator~() const { return Int(hn::Not(v)); }
+  VOLCAUSTIC_HD friend Int operator+(Int a, Int b) { return Int(hn::Add(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Int operator-(Int a, Int b) { return Int(hn::Sub(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Int operator*(Int a, Int b) { return Int(hn::Mul(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Int operator&(Int a, Int b) { return Int(hn::And(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Int operator|(Int a, Int b) { return Int(hn::Or(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Int operator<<(Int a, int bits) { return Int(hn::ShiftLeftSame(a.v, bits)); }
+  VOLCAUSTIC_HD friend Int operator>>(Int a, int bits) { return Int(hn::ShiftRightSame(a.v, bits)); }
+  VOLCAUSTIC_HD friend Mask operator<(Int a, Int b) { return {hn::RebindMask(FloatTag(), hn::Lt(a.v, b.v))}; }
+  VOLCAUSTIC_HD friend Mask operator>(Int a, Int b) { return {hn::RebindMask(FloatTag(), hn::Gt(a.v, b.v))}; }
+  VOLCAUSTIC_HD friend Mask operator==(Int a, Int b) { return {hn::RebindMask(FloatTag(), hn::Eq(a.v, b.v))}; }
+  VOLCAUSTIC_HD friend Mask operator!=(Int a, Int b) { return {hn::RebindMask(FloatTag(), hn::Ne(a.v, b.v))}; }
+};
+
+VOLCAUSTIC_HD inline Float select(const Mask& m, Float a, Float b) { return Float(hn::IfThenElse(m.m, a.v, b.v)); }
+VOLCAUSTIC_HD inline Int select(const Mask& m, Int a, Int b) { return Int(hn::IfThenElse(integers(m), a.v, b.v)); }
+VOLCAUSTIC_HD inline bool any(const Mask& m) { return !hn::AllFalse(FloatTag(), m.m); }
+VOLCAUSTIC_HD inline bool all(const Mask& m) { return hn::AllTrue(FloatTag(), m.m); }
+VOLCAUSTIC_HD inline Mask both(const Mask& a, const Mask& b) { return {hn::And(a.m, b.m)}; }
+VOLCAUSTIC_HD inline Mask either(const Mask& a, const Mask& b) { return {hn::Or(a.m, b.m)}; }
+VOLCAUSTIC_HD inline Mask negate(const Mask& a) { return {hn::Not(a.m)}; }
+
+VOLCAUSTIC_HD inline Float smaller(Float a, Float b) { return Float(hn::Min(a.v, b.v)); }
+VOLCAUSTIC_HD inline Float larger(Float a, Float b) { return Float(hn::Max(a.v, b.v)); }
+VOLCAUSTIC_HD inline Int smaller(Int a, Int b) { return Int(hn::Min(a.v, b.v)); }
+VOLCAUSTIC_HD inline Int larger(Int a, Int b) { return Int(hn::Max(a.v, b.v)); }
+VOLCAUSTIC_HD inline Float floorOf(Float a) { return Float(hn::Floor(a.v)); }
+VOLCAUSTIC_HD inline Float absOf(Float a) { return Float(hn::Abs(a.v)); }
+VOLCAUSTIC_HD inline Float squareRoot(Float a) { return Float(hn::Sqrt(a.v)); }
+VOLCAUSTIC_HD inline Float mulAdd(Float a, Float b, Float c) { return Float(hn::MulAdd(a.v, b.v, c.v)); }
+VOLCAUSTIC_HD inline Float exponential(Float a) { return Float(hn::Exp(FloatTag(), a.v)); }
+VOLCAUSTIC_HD inline Int toInt(Float a) { return Int(hn::ConvertTo(IntTag(), a.v)); }
+VOLCAUSTIC_HD inline Float toFloat(Int a) { return Float(hn::ConvertTo(FloatTag(), a.v)); }
+VOLCAUSTIC_HD inline Int powerOfTwo(Int a) { return Int(hn::Shl(hn::Set(IntTag(), 1), a.v)); }
+
+/// The estimate of the instruction set, good to 12 or 14 bits, and one step of Newton. Zero gives infinity times zero;
+/// callers select around it.
+VOLCAUSTIC_HD inline Float reciprocal(Float a) {
+  const auto r = hn::ApproximateReciprocal(a.v);
+  return Float(hn::MulAdd(r, hn::NegMulAdd(a.v, r, hn::Set(FloatTag(), 1.0f)), r));
+}
+VOLCAUSTIC_HD inline Float inverseRoot(Float a) {
+  const auto r = hn::ApproximateReciprocalSqrt(a.v);
+  const auto half = hn::Mul(hn::Set(FloatTag(), 0.5f), r);
+  return Float(hn::MulAdd(half, hn::NegMulAdd(hn::Mul(a.v, r), r, hn::Set(FloatTag(), 1.0f)), r));
+}
+
+VOLCAUSTIC_HD inline Int gather(const std::int32_t* base, Int index) {
+  return Int(hn::GatherIndex(IntTag(), base, index.v));
+}
+VOLCAUSTIC_HD inline Float gather(const float* base, Int index) {
+  return Float(hn::GatherIndex(FloatTag(), base, index.v));
+}
+VOLCAUSTIC_HD inline Int gatherByte(const std::uint8_t* bytes, Int index) {
+  const auto four = hn::GatherOffset(IntTag(), reinterpret_cast<const std::int32_t*>(bytes), index.v);
+  return Int(hn::And(four, hn::Set(IntTag(), 0xff)));
+}
+
+using Four = hn::Vec<hn::FixedTag<float, 4>>;
+
+/// Side by side in one register.
+#if HWY_TARGET == HWY_AVX2
+VOLCAUSTIC_HD inline hn::Vec<FloatTag> join(const Four& a, const Four& b) { return hn::Combine(FloatTag(), b, a); }
+#else
+VOLCAUSTIC_HD inline hn::Vec<FloatTag> join(const Four& a, const Four& b, const Four& c, const Four& d) {
+  const hn::FixedTag<float, 8> eight;
+  return hn::Combine(FloatTag(), hn::Combine(eight, d, c), hn::Combine(eight, b, a));
+}
+#endif
+
+/// The eight corners of each lane's cell, as four loads of two neighbours along z. Working on {n, gx, gy, gz} of a lane
+/// at a time costs four loads of 32 bytes where gathers of single numbers would cost 32 of 4. The lanes are brought
+/// together again in registers: a detour over memory would wait for every store to be finished.
+VOLCAUSTIC_HD inline kernels::FieldSample<Float> mixCell(const kernels::FieldVoxel* fields, Int offset,
+                                                         const kernels::Vec3<Float>& t) {
+  constexpr int kX = kernels::kFieldEdge * kernels::kFieldEdge, kY = kernels::kFieldEdge;
+  HWY_ALIGN std::int32_t at[kLanes];
+  HWY_ALIGN float w00[kLanes], w01[kLanes], w10[kLanes], w11[kLanes], z[kLanes];
+  const Float w1 = t.x * t.y;
+  hn::Store(offset.v, IntTag(), at);
+  hn::Store(w1.v, FloatTag(), w11);
+  hn::Store((t.x - w1).v, FloatTag(), w10);
+  hn::Store((t.y - w1).v, FloatTag(), w01);
+  hn::Store((Float(1) - t.x - t.y + w1).v, FloatTag(), w00);
+  hn::Store(t.z.v, FloatTag(), z);
+  const auto lane = [&](int i) __attribute__((always_inline)) {
+    const hn::FixedTag<float, 8> pair;
+    const hn::FixedTag<float, 4> one;
+    const float* c = &fields[at[i]].n;
+    const auto a = hn::MulAdd(hn::Set(pair, w01[i]), hn::LoadU(pair, c + 4 * kY),
+                              hn::Mul(hn::Set(pair, w00[i]), hn::LoadU(pair, c)));
+    const auto b = hn::MulAdd(hn::Set(pair, w11[i]), hn::LoadU(pair, c + 4 * (kX + kY)),
+                              hn::Mul(hn::Set(pair, w10[i]), hn::LoadU(pair, c + 4 * kX)));
+    const auto sum = hn::Add(a, b);
+    const auto low = hn::LowerHalf(one, sum), high = hn::UpperHalf(one, sum);
+    return hn::MulAdd(hn::Set(one, z[i]), hn::Sub(high, low), low);
+  };
+#if HWY_TARGET == HWY_AVX2
+  const auto a = join(lane(0), lane(4)), b = join(lane(1), lane(5)), c = join(lane(2), lane(6)),
+             d = join(lane(3), lane(7));
+#else
+  const auto a = join(lane(0), lane(4), lane(8), lane(12)), b = join(lane(1), lane(5), lane(9), lane(13)),
+             c = join(lane(2), lane(6), lane(10), lane(14)), d = join(lane(3), lane(7), lane(11), lane(15));
+#endif
+  // A transposition of 4x4 numbers in each 128 bits.
+  const hn::Repartition<double, FloatTag> two;
+  const auto ab0 = hn::BitCast(two, hn::InterleaveLower(FloatTag(), a, b));
+  const auto ab1 = hn::BitCast(two, hn::InterleaveUpper(FloatTag(), a, b));
+  const auto cd0 = hn::BitCast(two, hn::InterleaveLower(FloatTag(), c, d));
+  const auto cd1 = hn::BitCast(two, hn::InterleaveUpper(FloatTag(), c, d));
+  const auto single = [](auto v) __attribute__((always_inline)) { return Float(hn::BitCast(FloatTag(), v)); };
+  return {single(hn::InterleaveLower(two, ab0, cd0)),
+          kernels::Vec3<Float>(single(hn::InterleaveUpper(two, ab0, cd0)), single(hn::InterleaveLower(two, ab1, cd1)),
+                               single(hn::InterleaveUpper(two, ab1, cd1)))};
+}
+
+VOLCAUSTIC_HD inline kernels::FieldSample<Float> loadVoxel(const kernels::FieldVoxel* fields, Int offset) {
+  const Int at = offset << 2;
+  const float* base = &fields->n;
+  return {gather(base, at), kernels::Vec3<Float>(gather(base + 1, at), gather(base + 2, at), gather(base + 3, at))};
+}
+
+#if HWY_TARGET == HWY_AVX2
+/// Lane numbers that bring the lanes of each 8-bit mask to the front. Highway 1.0's own table is a local constant, which
+/// g++ 12 copies to the stack on every call.
+struct SqueezeOrders {
+  alignas(32) std::int32_t of[256][8];
+  constexpr SqueezeOrders() : of() {
+    for (int bits = 0; bits < 256; ++bits)
+      for (int lane = 0, to = 0; lane < 8; ++lane)
+        if (bits >> lane & 1) of[bits][to++] = lane;
+  }
+};
+static constexpr SqueezeOrders kSqueezeOrders{};
+#endif
+
+/// Moves the chosen lanes side by side to the front. Made once for a mask, used for many values.
+class Squeeze {
+public:
+  VOLCAUSTIC_HD explicit Squeeze(const Mask& on) : mCount(static_cast<int>(hn::CountTrue(FloatTag(), on.m))) {
+#if HWY_TARGET == HWY_AVX2
+    std::uint8_t bits = 0;
+    hn::StoreMaskBits(FloatTag(), on.m, &bits);
+    mOrder = hn::Load(IntTag(), kSqueezeOrders.of[bits]);
+#else
+    mOn = on;
+#endif
+  }
+  [[nodiscard]] VOLCAUSTIC_HD int count() const { return mCount; }
+
+#if HWY_TARGET == HWY_AVX2
+  [[nodiscard]] VOLCAUSTIC_HD Float operator()(Float v) const {
+    return Float(hn::TableLookupLanes(v.v, hn::IndicesFromVec(FloatTag(), mOrder)));
+  }
+  [[nodiscard]] VOLCAUSTIC_HD Int operator()(Int v) const {
+    return Int(hn::TableLookupLanes(v.v, hn::IndicesFromVec(IntTag(), mOrder)));
+  }
+
+private:
+  hn::Vec<IntTag> mOrder;
+#else
+  [[nodiscard]] VOLCAUSTIC_HD Float operator()(Float v) const { return Float(hn::Compress(v.v, mOn.m)); }
+  [[nodiscard]] VOLCAUSTIC_HD Int operator()(Int v) const { return Int(hn::Compress(v.v, integers(mOn))); }
+
+private:
+  Mask mOn;
+#endif
+  int mCount;
+};
+
+} // namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET
+
+namespace volcaustic::kernels {
+template <>
+struct LaneTraits<VOLCAUSTIC_INSTRUCTION_SET::Float> {
+  using Int = VOLCAUSTIC_INSTRUCTION_SET::Int;
+  using Mask = VOLCAUSTIC_INSTRUCTION_SET::Mask;
+};
+} // namespace volcaustic::kernels

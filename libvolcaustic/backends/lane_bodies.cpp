@@ -1,0 +1,528 @@
+// Photons in lanes (docs/algorithms/photons.md, "Lanes"). Compiled once for each instruction set of lanes.h.
+//
+// A worker holds kPackets packets of photons. Each round takes one step of every packet: the steps of different packets
+// do not wait for each other, so one's gathers overlap another's arithmetic. A photon that ends is replaced by the next
+// of the list in the same lane.
+//
+// The short chords of a step, where light bends, are collected, rasterised a register at a time into a list of voxels
+// crossed, and the list is added to the sums in a loop without a branch that depends on the data. Long chords, straight
+// ways through many voxels, are put aside and rasterised block by block, so that the sums stay in cache.
+
+#include "backends/cpu_sink.h"
+#include "backends/highway_lanes.h"
+#include "kernels/smooth.h"
+
+namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET {
+
+namespace {
+
+using kernels::ChordOf;
+using kernels::Counter;
+using kernels::Outcome;
+using kernels::Vec3;
+
+constexpr int kPackets = 4;
+constexpr int kPhotons = kPackets * kLanes;
+
+Float load(const float* p) { return Float(hn::LoadU(FloatTag(), p)); }
+Int load(const std::int32_t* p) { return Int(hn::LoadU(IntTag(), p)); }
+void store(Float v, float* p) { hn::StoreU(v.v, FloatTag(), p); }
+void store(Int v, std::int32_t* p) { hn::StoreU(v.v, IntTag(), p); }
+Vec3<Float> load3(const float* x, const float* y, const float* z) { return {load(x), load(y), load(z)}; }
+Mask firstLanes(int n) { return {hn::FirstN(FloatTag(), static_cast<std::size_t>(n))}; }
+/// Chords waiting to be rasterised.
+class ChordList {
+public:
+  static constexpr int kCapacity = 512;
+
+  explicit ChordList(bool decays) : mDecays(decays) {}
+
+  [[nodiscard]] bool decays() const { return mDecays; }
+  [[nodiscard]] int size() const { return mSize; }
+  void clear() { mSize = 0; }
+  [[nodiscard]] bool hasRoom() const { return mSize + kLanes <= kCapacity; }
+
+  void append(const ChordOf<Float>& c, Float scale, const Mask& on) {
+    const Squeeze squeeze(on);
+    store(squeeze(c.start.x), x + mSize);
+    store(squeeze(c.start.y), y + mSize);
+    store(squeeze(c.start.z), z + mSize);
+    store(squeeze(c.direction.x), dx + mSize);
+    store(squeeze(c.direction.y), dy + mSize);
+    store(squeeze(c.direction.z), dz + mSize);
+    store(squeeze(c.length), length + mSize);
+    storeRate(c.power * scale, c.direction, squeeze, rates);
+    if (mDecays) storeRate(c.slope * scale, c.direction, squeeze, slopes);
+    mSize += squeeze.count();
+  }
+
+  // A register beyond the end may be written and read; its lanes are masked.
+  alignas(64) float x[kCapacity + kLanes], y[kCapacity + kLanes], z[kCapacity + kLanes], dx[kCapacity + kLanes],
+      dy[kCapacity + kLanes], dz[kCapacity + kLanes], length[kCapacity + kLanes];
+  /// What each chord adds to a voxel for each unit of length, in fixed-point units: RGB and 0, direction and 0. Then how
+  /// that changes along it, where the medium attenuates.
+  struct Rates {
+    alignas(64) float power[kCapacity + kLanes][4], direction[kCapacity + kLanes][4];
+  } rates, slopes;
+
+private:
+  void storeRate(const Vec3<Float>& power, const Vec3<Float>& towards, const Squeeze& squeeze, Rates& out) const {
+    const Vec3<Float> direction = towards * kernels::luminance(power);
+    const auto zero = hn::Zero(FloatTag());
+    hn::StoreInterleaved4(squeeze(power.x).v, squeeze(power.y).v, squeeze(power.z).v, zero, FloatTag(),
+                          out.power[mSize]);
+    hn::StoreInterleaved4(squeeze(direction.x).v, squeeze(direction.y).v, squeeze(direction.z).v, zero, FloatTag(),
+                          out.direction[mSize]);
+  }
+
+  bool mDecays;
+  int mSize = 0;
+};
+
+/// Voxels crossed: where, for how long, and by which chord of the list.
+class CrossingList {
+public:
+  using Address = kernels::BrickCells::Address<Float>;
+  static constexpr int kCapacity = 1024;
+
+  [[nodiscard]] bool hasRoom() const { return mSize + 3 * kLanes <= kCapacity; }
+
+  /// `half` is half the length of each chord.
+  void append(const kernels::SlabCrossing<Float, Address>& c, Int chord, Float half, const Mask& on) {
+    append(c.first, chord, half, on);
+    append(c.second, chord, half, on);
+    append(c.third, chord, half, on);
+  }
+  /// Adds every crossing to the sums.
+  void drain(const ChordList& chords, CpuSums& sums) {
+    if (chords.decays())
+      drain<true>(chords, sums);
+    else
+      drain<false>(chords, sums);
+    sums.tally.counts.data()[static_cast<int>(Counter::VoxelsCrossed)] += mSize;
+    mSize = 0;
+  }
+
+private:
+  void append(const kernels::CrossedCell<Float, Address>& v, Int chord, Float half, const Mask& on) {
+    const Squeeze squeeze(both(on, v.length > Float(0)));
+    store(squeeze(v.at.brick), mBrick + mSize);
+    store(squeeze(v.at.offset), mOffset + mSize);
+    store(squeeze(chord), mChord + mSize);
+    store(squeeze(v.length), mLength + mSize);
+    store(squeeze(v.middle - half), mMiddle + mSize);
+    mSize += squeeze.count();
+  }
+
+  template <bool kDecays>
+  void drain(const ChordList& chords, CpuSums& sums) {
+    const hn::FixedTag<float, 8> eight;
+    const hn::FixedTag<std::int32_t, 8> integers;
+    const auto of = [&](const ChordList::Rates& r, std::int32_t chord) {
+      const hn::FixedTag<float, 4> four;
+      return hn::Combine(eight, hn::Load(four, r.direction[chord]), hn::Load(four, r.power[chord]));
+    };
+    LightBricks::Brick* const* table = sums.bricks.table();
+    for (int i = 0; i < mSize; ++i) {
+      if (!table[mBrick[i]]) [[unlikely]]
+        sums.bricks.allocate(mBrick[i]);
+      std::int32_t* at = reinterpret_cast<std::int32_t*>(table[mBrick[i]]) + std::ptrdiff_t{8} * mOffset[i];
+      auto rate = of(chords.rates, mChord[i]);
+      if constexpr (kDecays) rate = hn::MulAdd(of(chords.slopes, mChord[i]), hn::Set(eight, mMiddle[i]), rate);
+      const auto added = hn::NearestInt(hn::Mul(rate, hn::Set(eight, mLength[i])));
+      const auto sum = hn::Add(hn::Load(integers, at), added);
+      hn::Store(sum, integers, at);
+      // The sign of sum + kCarryAt changes where a sum is at or beyond the range that it may keep.
+      const auto beyond = hn::Add(sum, hn::Set(integers, LightBricks::kCarryAt));
+      if (!hn::AllFalse(integers, hn::MaskFromVec(hn::BroadcastSignBit(beyond)))) [[unlikely]]
+        sums.bricks.carry(mBrick[i], mOffset[i]);
+    }
+  }
+
+  std::int32_t mBrick[kCapacity + kLanes], mOffset[kCapacity + kLanes], mChord[kCapacity + kLanes];
+  float mLength[kCapacity + kLanes], mMiddle[kCapacity + kLanes]; ///< mMiddle: from the chord's middle
+  int mSize = 0;
+};
+
+/// Short chords to the sums, long ones to the list of those.
+class Rasteriser {
+public:
+  Rasteriser(const kernels::FlatMedium& medium, CpuSums& sums, float scale, FarChords& far)
+      : mCells{medium.dims, medium.brickDims}, mSums(sums), mScale(scale), mFar(far), mShort(medium.attenuates) {}
+
+  void add(const ChordOf<Float>& chord, const Mask& on) {
+    const Mask isLong = both(on, chord.length > Float(kLongest));
+    if (!mShort.hasRoom()) flush();
+    mShort.append(chord, mScale, any(isLong) ? both(on, negate(isLong)) : on);
+    if (any(isLong)) putAside(chord, isLong);
+  }
+
+  void flush() {
+    for (int i = 0; i < mShort.size(); i += kLanes) {
+      const Mask on = firstLanes(mShort.size() - i);
+      const Float length = load(mShort.length + i), half = Float(0.5f) * length;
+      const kernels::SlabChord<Float, kernels::BrickCells> slabs(
+          mCells, load3(mShort.x + i, mShort.y + i, mShort.z + i), load3(mShort.dx + i, mShort.dy + i, mShort.dz + i),
+          length);
+      const Int number = Int(hn::Iota(IntTag(), i));
+      for (Int k(0);; k = k + Int(1)) {
+        const Mask reaching = both(on, k < slabs.slabs());
+        if (!any(reaching)) break;
+        if (!mCrossings.hasRoom()) mCrossings.drain(mShort, mSums);
+        mCrossings.append(slabs.crossing(k), number, half, reaching);
+      }
+    }
+    mCrossings.drain(mShort, mSums);
+    mShort.clear();
+  }
+
+private:
+  static constexpr float kLongest = 3; ///< voxels, of a chord that is short
+
+  void putAside(const ChordOf<Float>& c, const Mask& on) {
+    constexpr int kNumbers = 13;
+    alignas(64) float columns[kNumbers][kLanes];
+    const Float values[kNumbers] = {c.start.x, c.start.y, c.start.z, c.direction.x, c.direction.y, c.direction.z, c.length,
+                                    c.power.x, c.power.y, c.power.z, c.slope.x,     c.slope.y,     c.slope.z};
+    const Squeeze squeeze(on);
+    for (int i = 0; i < kNumbers; ++i) store(squeeze(values[i]), columns[i]);
+    FarChord chords[kLanes];
+    for (int k = 0; k < squeeze.count(); ++k) {
+      FarChord& f = chords[k];
+      for (int i = 0; i < 3; ++i) {
+        f.start[i] = columns[i][k];
+        f.direction[i] = columns[3 + i][k];
+        f.power[i] = columns[7 + i][k];
+        f.slope[i] = columns[10 + i][k];
+      }
+      f.length = columns[6][k];
+    }
+    mFar.append(chords, squeeze.count());
+  }
+
+  kernels::BrickCells mCells;
+  CpuSums& mSums;
+  Float mScale;
+  FarChords& mFar;
+  ChordList mShort;
+  CrossingList mCrossings;
+};
+
+/// The photons in flight, number by number, so that any lane can be read and replaced.
+struct Flight {
+  alignas(64) float x[kPhotons], y[kPhotons], z[kPhotons], vx[kPhotons], vy[kPhotons], vz[kPhotons];
+  alignas(64) float fromX[kPhotons], fromY[kPhotons], fromZ[kPhotons];
+  alignas(64) float power[3][kPhotons], scattered[3][kPhotons], threshold[kPhotons];
+  alignas(64) std::int32_t steps[kPhotons], optics[kPhotons], alive[kPhotons];
+  kernels::Float3 first[kPhotons];
+  kernels::Double3 gained[kPhotons];
+  std::uint32_t cell[kPhotons];
+
+  [[nodiscard]] kernels::PhotonOf<Float> get(int at) const {
+    return {{load3(x + at, y + at, z + at), load3(vx + at, vy + at, vz + at)},
+            load3(power[0] + at, power[1] + at, power[2] + at),
+            load3(scattered[0] + at, scattered[1] + at, scattered[2] + at),
+            load(threshold + at),
+            load(steps + at),
+            load3(fromX + at, fromY + at, fromZ + at),
+            load(optics + at)};
+  }
+  void put(int at, const kernels::PhotonOf<Float>& p) {
+    store(p.ray.x.x, x + at), store(p.ray.x.y, y + at), store(p.ray.x.z, z + at);
+    store(p.ray.v.x, vx + at), store(p.ray.v.y, vy + at), store(p.ray.v.z, vz + at);
+    store(p.power.x, power[0] + at), store(p.power.y, power[1] + at), store(p.power.z, power[2] + at);
+    store(p.scattered.x, scattered[0] + at), store(p.scattered.y, scattered[1] + at);
+    store(p.scattered.z, scattered[2] + at), store(p.steps, steps + at), store(p.optics, optics + at);
+    store(p.from.x, fromX + at), store(p.from.y, fromY + at), store(p.from.z, fromZ + at);
+  }
+  [[nodiscard]] kernels::Photon photon(int i) const {
+    return {{{x[i], y[i], z[i]}, {vx[i], vy[i], vz[i]}},
+            {power[0][i], power[1][i], power[2][i]},
+            {scattered[0][i], scattered[1][i], scattered[2][i]},
+            threshold[i],
+            steps[i],
+            {fromX[i], fromY[i], fromZ[i]},
+            optics[i]};
+  }
+  void set(int i, const kernels::Photon& p) {
+    x[i] = p.ray.x.x, y[i] = p.ray.x.y, z[i] = p.ray.x.z;
+    vx[i] = p.ray.v.x, vy[i] = p.ray.v.y, vz[i] = p.ray.v.z;
+    power[0][i] = p.power.x, power[1][i] = p.power.y, power[2][i] = p.power.z;
+    scattered[0][i] = p.scattered.x, scattered[1][i] = p.scattered.y, scattered[2][i] = p.scattered.z;
+    threshold[i] = p.threshold, steps[i] = p.steps, optics[i] = p.optics;
+    fromX[i] = p.from.x, fromY[i] = p.from.y, fromZ[i] = p.from.z;
+  }
+  void move(int i, int to) {
+    set(to, photon(i));
+    first[to] = first[i], gained[to] = gained[i], cell[to] = cell[i], alive[to] = alive[i];
+    alive[i] = 0;
+  }
+};
+
+class Tracer {
+public:
+  Tracer(const PhotonTask& task, CpuSums& sums, FarChords& far)
+      : mTask(task)
+      , mSink(sums, task.scale)
+      , mRasteriser(task.medium, sums, static_cast<float>(task.scale.deposit), far) {}
+
+  void run() {
+    for (int i = 0; i < kPhotons; ++i) {
+      // Lanes that never held a photon must hold something finite.
+      mFlight.set(i, {{{0, 0, 0}, {1, 0, 0}}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0}, 0});
+      launch(i);
+    }
+    while (mAlive > 0) {
+      for (int packet = 0; packet < mInUse; packet += kLanes) step(packet);
+      if (mNext == mTask.count && mAlive <= mInUse - kLanes) closeRanks();
+    }
+    mRasteriser.flush();
+  }
+
+private:
+  /// At the list's end: moves the last packet's photons to empty lanes of the others.
+  void closeRanks() {
+    const int last = mInUse - kLanes;
+    int empty = 0;
+    for (int i = last; i < mInUse; ++i) {
+      if (!mFlight.alive[i]) continue;
+      while (mFlight.alive[empty]) ++empty;
+      mFlight.move(i, empty);
+    }
+    mInUse = last;
+  }
+
+  /// Puts the list's next photon into a lane, or leaves the lane empty at the list's end.
+  void launch(int i) {
+    mFlight.alive[i] = 0;
+    if (mNext == mTask.count) return;
+    const std::uint32_t cell = mTask.cells[mNext++];
+    const kernels::Photon p = kernels::startPhoton(mTask.medium, mTask.frame, mTask.rules, cell, mTask.entry[cell]);
+    mFlight.set(i, p);
+    mFlight.first[i] = p.power;
+    mFlight.gained[i] = kernels::Double3(0, 0, 0);
+    mFlight.cell[i] = cell;
+    mFlight.alive[i] = -1;
+    ++mAlive;
+  }
+
+  void step(int at) {
+    const Mask alive = load(mFlight.alive + at) != Int(0);
+    if (!any(alive)) return;
+    kernels::PhotonOf<Float> p = mFlight.get(at);
+    const kernels::StepOutcome<Float> outcome =
+        kernels::stepPhoton(mTask.medium, mTask.rules, p, alive,
+                            [&](const ChordOf<Float>& chord, const Mask& on) { mRasteriser.add(chord, on); });
+    mFlight.put(at, p);
+    const Mask ends =
+        both(alive, either(either(outcome.leaves, outcome.notFinite), either(outcome.fades, outcome.limit)));
+    if (any(ends)) [[unlikely]]
+      endSome(at, outcome, ends);
+  }
+
+  /// Books the photons that end, and fills their lanes.
+  void endSome(int at, const kernels::StepOutcome<Float>& outcome, const Mask& ends) {
+    const auto bits = [](const Mask& m) {
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(FloatTag(), m.m, bytes);
+      return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
+    };
+    const std::uint32_t leaves = bits(outcome.leaves), notFinite = bits(outcome.notFinite), fades = bits(outcome.fades);
+    for (std::uint32_t left = bits(ends); left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left), i = at + lane;
+      const std::uint32_t bit = 1u << lane;
+      kernels::Photon p = mFlight.photon(i);
+      Outcome end = Outcome::CutOff;
+      if (notFinite & bit) {
+        mSink.count(Counter::NotFinite, 1);
+      } else if (leaves & bit) {
+        end = Outcome::Escaped;
+      } else if (!(fades & bit) || !kernels::endsByRoulette(mTask.rules, mFlight.cell[i], p, mFlight.gained[i])) {
+        if (p.steps < mTask.rules.maxSteps) { // roulette lets it live
+          mFlight.set(i, p);
+          continue;
+        }
+        mSink.count(Counter::StepLimit, 1);
+      }
+      kernels::bookEnd(mSink, end, p, mFlight.first[i], mFlight.gained[i]);
+      --mAlive;
+      launch(i);
+    }
+  }
+
+  const PhotonTask& mTask;
+  CpuSink mSink;
+  Rasteriser mRasteriser;
+  Flight mFlight;
+  std::int64_t mNext = 0, mAlive = 0;
+  int mInUse = kPhotons; ///< lanes of the packets that are stepped
+};
+
+/// Up to a register of far chords, number by number.
+struct FarLanes {
+  Vec3<Float> start, direction;
+  Float length;
+
+  FarLanes(const FarChord* chords, const std::uint32_t* ids, std::int64_t count) {
+    alignas(64) float v[7][kLanes] = {};
+    for (std::int64_t k = 0; k < kLanes; ++k) {
+      const FarChord& c = chords[ids ? ids[k < count ? k : 0] : (k < count ? k : 0)];
+      for (int i = 0; i < 3; ++i) v[i][k] = c.start[i], v[3 + i][k] = c.direction[i];
+      v[6][k] = c.length;
+    }
+    start = load3(v[0], v[1], v[2]);
+    direction = load3(v[3], v[4], v[5]);
+    length = load(v[6]);
+  }
+};
+
+/// Where chords are inside the box [0, edge]: distances along them; `to` <= `from` when they are not.
+void clipToBlock(const Vec3<Float>& start, const Vec3<Float>& direction, Float length, Float& from, Float& to) {
+  from = Float(0);
+  to = length;
+  const auto axis = [&](Float s, Float d) {
+    const Float inverse = select(absOf(d) > Float(1e-12f), reciprocal(d), Float(1e12f));
+    const Float low = -s * inverse, high = (Float(kBlockEdge) - s) * inverse;
+    from = larger(from, smaller(low, high));
+    to = smaller(to, larger(low, high));
+  };
+  axis(start.x, direction.x);
+  axis(start.y, direction.y);
+  axis(start.z, direction.z);
+}
+
+/// Adds one chord's crossings inside a block.
+class BlockRasteriser {
+public:
+  BlockRasteriser(float scale, BlockSums& sums) : mScale(scale), mSums(sums.low()) {}
+
+  /// The part of the chord from `from` to `to`; `start` is where it begins, in the block.
+  void add(const FarChord& chord, const float (&start)[3], float from, float to) {
+    const auto all = [](const float(&v)[3]) { return Vec3<Float>(Float(v[0]), Float(v[1]), Float(v[2])); };
+    const kernels::SlabChord<Float, kernels::DenseCells> slabs({{kBlockEdge, kBlockEdge, kBlockEdge}}, all(start),
+                                                               all(chord.direction), Float(to - from));
+    const Float shift(from - 0.5f * chord.length);
+    const int count = hn::GetLane(slabs.slabs().v);
+    int crossings = 0;
+    for (int k = 0; k < count; k += kLanes) {
+      const auto c = slabs.crossing(Int(hn::Iota(IntTag(), k)));
+      const Mask on = firstLanes(count - k);
+      for (const auto& cell : {c.first, c.second, c.third}) {
+        const Squeeze squeeze(both(on, cell.length > Float(0)));
+        store(squeeze(cell.at << 3), mAt + crossings);
+        store(squeeze(cell.length), mLength + crossings);
+        store(squeeze(cell.middle + shift), mMiddle + crossings);
+        crossings += squeeze.count();
+      }
+    }
+    deposit(chord, crossings);
+    mCrossed += crossings;
+  }
+
+  [[nodiscard]] std::int64_t crossed() const { return mCrossed; }
+
+private:
+  void deposit(const FarChord& chord, int crossings) {
+    const bool decays = chord.slope[0] != 0 || chord.slope[1] != 0 || chord.slope[2] != 0;
+    const hn::FixedTag<float, 8> eight;
+    const hn::FixedTag<std::int32_t, 8> integers;
+    const auto rate = rateOf(chord.power, chord.direction), slope = rateOf(chord.slope, chord.direction);
+    const auto add = [&](int i, auto value) {
+      std::int32_t* at = mSums + mAt[i];
+      const auto added = hn::NearestInt(hn::Mul(value, hn::Set(eight, mLength[i])));
+      hn::Store(hn::Add(hn::Load(integers, at), added), integers, at);
+    };
+    if (decays)
+      for (int i = 0; i < crossings; ++i) add(i, hn::MulAdd(slope, hn::Set(eight, mMiddle[i]), rate));
+    else
+      for (int i = 0; i < crossings; ++i) add(i, rate);
+  }
+
+  /// What a voxel is given for each unit of length: power RGB, 0, luminance-weighted direction, 0. Put together in
+  /// registers; both arrays are followed by a number that belongs to the chord too.
+  [[nodiscard]] hn::Vec<hn::FixedTag<float, 8>> rateOf(const float* power, const float* direction) const {
+    const hn::FixedTag<float, 4> four;
+    const auto three = hn::FirstN(four, 3);
+    const float l = kernels::luminance(kernels::Float3(power[0], power[1], power[2])) * mScale;
+    return hn::Combine(hn::FixedTag<float, 8>(),
+                       hn::IfThenElseZero(three, hn::Mul(hn::LoadU(four, direction), hn::Set(four, l))),
+                       hn::IfThenElseZero(three, hn::Mul(hn::LoadU(four, power), hn::Set(four, mScale))));
+  }
+
+  float mScale;
+  std::int32_t* mSums;
+  std::int64_t mCrossed = 0;
+  std::int32_t mAt[3 * kBlockEdge + 4 * kLanes];
+  float mLength[3 * kBlockEdge + 4 * kLanes], mMiddle[3 * kBlockEdge + 4 * kLanes];
+};
+
+} // namespace
+
+void tracePhotons(const PhotonTask& task, CpuSums& sums, FarChords& far) {
+  Tracer tracer(task, sums, far);
+  tracer.run();
+}
+
+std::int64_t findBlocks(const FarChord* chords, std::int64_t count, const kernels::Int3& blockDims,
+                        BlockCrossing* crossings) {
+  std::int64_t found = 0;
+  alignas(64) std::int32_t blocks[3 * kLanes + kLanes], numbers[3 * kLanes + kLanes];
+  for (std::int64_t i = 0; i < count; i += kLanes) {
+    const FarLanes c(chords + i, nullptr, count - i);
+    constexpr float kScale = 1.0f / kBlockEdge;
+    const kernels::SlabChord<Float, kernels::DenseCells> slabs({blockDims}, c.start * Float(kScale), c.direction,
+                                                               c.length * Float(kScale));
+    const Mask on = firstLanes(static_cast<int>(count - i < kLanes ? count - i : kLanes));
+    const Int number = Int(hn::Iota(IntTag(), static_cast<std::int32_t>(i)));
+    for (Int k(0);; k = k + Int(1)) {
+      const Mask reaching = both(on, k < slabs.slabs());
+      if (!any(reaching)) break;
+      const auto crossing = slabs.crossing(k);
+      int n = 0;
+      for (const auto& cell : {crossing.first, crossing.second, crossing.third}) {
+        const Squeeze squeeze(both(reaching, cell.length > Float(0)));
+        store(squeeze(number), numbers + n);
+        store(squeeze(cell.at), blocks + n);
+        n += squeeze.count();
+      }
+      for (int j = 0; j < n; ++j) crossings[found++] = {blocks[j], numbers[j]};
+    }
+  }
+  return found;
+}
+
+std::int64_t rasterise(const FarChord* chords, const std::uint32_t* ids, std::int64_t count,
+                       const kernels::Int3& corner, float scale, BlockSums& sums) {
+  constexpr std::int64_t kBetweenCarries = 4096; // deposits of 2^17 at most: half of 32 bits
+  BlockRasteriser rasteriser(scale, sums);
+  alignas(64) float from[kLanes], to[kLanes], x[kLanes], y[kLanes], z[kLanes];
+  for (std::int64_t i = 0; i < count; i += kLanes) {
+    if (i > 0 && i % kBetweenCarries == 0) sums.carry();
+    FarLanes c(chords, ids + i, count - i);
+    c.start = c.start - Vec3<Float>(Float(corner.x), Float(corner.y), Float(corner.z));
+    Float in, out;
+    clipToBlock(c.start, c.direction, c.length, in, out);
+    const Vec3<Float> entry = kernels::mulAdd(c.direction, in, c.start);
+    store(in, from), store(out, to), store(entry.x, x), store(entry.y, y), store(entry.z, z);
+    for (std::int64_t k = 0; k < kLanes && i + k < count; ++k)
+      if (to[k] > from[k]) rasteriser.add(chords[ids[i + k]], {x[k], y[k], z[k]}, from[k], to[k]);
+  }
+  return rasteriser.crossed();
+}
+
+kernels::LitLengths<float> litLengths(const kernels::LitView& view, const float* entry) {
+  Float all(0), lit(0);
+  const Int last(view.cells - 1);
+  for (std::int32_t i = 0; i < view.cells; i += kLanes) {
+    const Int number = Int(hn::Iota(IntTag(), i));
+    const kernels::LitLengths<Float> some = kernels::litLengths<Float>(view, entry, smaller(number, last));
+    const Mask on = number < Int(view.cells);
+    all = all + select(on, some.all, Float(0));
+    lit = lit + select(on, some.lit, Float(0));
+  }
+  return {hn::GetLane(hn::SumOfLanes(FloatTag(), all.v)), hn::GetLane(hn::SumOfLanes(FloatTag(), lit.v))};
+}
+
+void smoothBrick(const float* in, float* out) { kernels::smoothBrick(in, out); }
+
+} // namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET

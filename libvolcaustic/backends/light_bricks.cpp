@@ -1,0 +1,79 @@
+#include "backends/light_bricks.h"
+
+#include "volcaustic/error.h"
+
+#include <algorithm>
+#include <new>
+#include <string>
+#include <sys/mman.h>
+
+namespace volcaustic {
+
+namespace {
+
+// Chunks are as big as two huge pages: one page fault for 128 bricks instead of four for each.
+constexpr std::size_t kChunkBricks = 256;
+constexpr std::size_t kChunkBytes = kChunkBricks * sizeof(LightBricks::Brick);
+
+} // namespace
+
+LightBricks::LightBricks(std::int64_t brickCount, MemoryBudget& budget)
+    : mBricks(static_cast<Brick**>(std::calloc(static_cast<std::size_t>(brickCount), sizeof(Brick*))))
+    , mInLastChunk(kChunkBricks)
+    , mBudget(&budget) {
+  if (!mBricks) throw std::bad_alloc();
+}
+
+LightBricks::~LightBricks() {
+  for (Brick* chunk : mChunks) munmap(chunk, kChunkBytes);
+}
+
+void LightBricks::allocate(std::int64_t brick) {
+  if (mBudget->used.fetch_add(sizeof(Brick)) + sizeof(Brick) > mBudget->limit)
+    throw Error(ErrorKind::Input, "photons: the light sums need more than the memory limit of " +
+                                      std::to_string(mBudget->limit >> 20) +
+                                      " MiB; lower the resolution or raise --memory-limit");
+  if (mInLastChunk == kChunkBricks) {
+    void* chunk = mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (chunk == MAP_FAILED) throw std::bad_alloc();
+    (void)madvise(chunk, kChunkBytes, MADV_HUGEPAGE); // a wish
+    mChunks.push_back(static_cast<Brick*>(chunk));
+    mInLastChunk = 0;
+  }
+  mBricks[brick] = mChunks.back() + mInLastChunk++;
+}
+
+void LightBricks::carry(std::int64_t brick, std::int32_t offset) {
+  VoxelSums& high = mCarried[brick * kernels::kStepVoxels + offset];
+  std::int32_t(&low)[8] = (*mBricks[brick])[offset].s;
+  for (int c = 0; c < 3; ++c) {
+    high[c] += low[c];
+    high[3 + c] += low[4 + c];
+  }
+  std::fill(std::begin(low), std::end(low), 0);
+}
+
+void LightBricks::add(std::int64_t brick, const BlockSums& sums, int corner) {
+  for (int k = 0; k < kernels::kStepVoxels; ++k) {
+    const VoxelSums v = sums.at(corner + blockOffset(k >> 6, (k >> 3) & 7, k & 7));
+    if (std::all_of(v.begin(), v.end(), [](std::int64_t s) { return s == 0; })) continue;
+    if (addWithinRange(touch(brick)[k].s, v)) continue;
+    VoxelSums& high = mCarried[brick * kernels::kStepVoxels + k];
+    for (int c = 0; c < kSums; ++c) high[c] += v[c];
+  }
+}
+
+void LightBricks::addTo(std::int64_t brick, BlockSums& sums, int corner) const {
+  if (!mBricks[brick]) return;
+  for (int k = 0; k < kernels::kStepVoxels; ++k) {
+    const int voxel = corner + blockOffset(k >> 6, (k >> 3) & 7, k & 7);
+    const std::int32_t(&s)[8] = (*mBricks[brick])[k].s;
+    VoxelSums all{s[0], s[1], s[2], s[4], s[5], s[6]};
+    if (!mCarried.empty())
+      if (const auto high = mCarried.find(brick * kernels::kStepVoxels + k); high != mCarried.end())
+        for (int c = 0; c < kSums; ++c) all[c] += high->second[c];
+    if (std::any_of(all.begin(), all.end(), [](std::int64_t v) { return v != 0; })) sums.add(voxel, all);
+  }
+}
+
+} // namespace volcaustic

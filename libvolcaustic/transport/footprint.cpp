@@ -1,0 +1,46 @@
+#include "transport/footprint.h"
+
+#include <algorithm>
+
+namespace volcaustic {
+
+using kernels::dot;
+using kernels::Double3;
+
+Footprint footprint(const kernels::EmissionFrame& frame, const Double3& low, double size) {
+  double u0 = 1e300, u1 = -1e300, v0 = 1e300, v1 = -1e300, nearest = 1e300, farthest = -1e300;
+  for (int i = 0; i < 8; ++i) {
+    const Double3 r = low + Double3(i & 1 ? size : 0, i & 2 ? size : 0, i & 4 ? size : 0) - frame.origin;
+    double u = dot(r, frame.axisU), v = dot(r, frame.axisV), depth = dot(r, frame.axisW);
+    if (frame.point) {
+      if (depth <= 0) {
+        // Partly beside the light: take the whole raster on that side.
+        u = u > 0 ? 1e9 : -1e9;
+        v = v > 0 ? 1e9 : -1e9;
+      } else {
+        u /= depth;
+        v /= depth;
+      }
+      depth = kernels::length(r);
+    }
+    u0 = std::min(u0, u);
+    u1 = std::max(u1, u);
+    v0 = std::min(v0, v);
+    v1 = std::max(v1, v);
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  }
+  // A cube is farther from a point light at its corners than at its faces' middles.
+  if (frame.point) nearest = std::max(0.0, nearest - size);
+  const auto cell = [](double at, int count) {
+    return static_cast<int>(kernels::clampTo(std::floor(at), 0.0, double(count)));
+  };
+  return {cell((u0 - frame.u0) / frame.du, frame.columns),
+          cell((u1 - frame.u0) / frame.du + 1, frame.columns),
+          cell((v0 - frame.v0) / frame.dv, frame.rows),
+          cell((v1 - frame.v0) / frame.dv + 1, frame.rows),
+          nearest - frame.depth0,
+          farthest - frame.depth0};
+}
+
+} // namespace volcaustic

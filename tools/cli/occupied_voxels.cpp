@@ -1,0 +1,14 @@
+#include "occupied_voxels.h"
+
+#include <volcaustic/openvdb.h>
+
+namespace volcaustic::cli {
+
+std::int64_t occupiedVoxels(const Medium& medium) {
+  openvdb::Index64 voxels = 0;
+  for (auto value = medium.grids().coverage->cbeginValueOn(); value; ++value)
+    if (*value > 0) voxels += value.getVoxelCount();
+  return static_cast<std::int64_t>(voxels);
+}
+
+} // namespace volcaustic::cli
