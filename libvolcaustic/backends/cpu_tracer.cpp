@@ -15,7 +15,7 @@ using kernels::kReachTile;
 using kernels::Outcome;
 
 constexpr std::int64_t kPhotonsPerTask = 2048;
-constexpr std::size_t kMostFarChords = 1 << 22; // 160 MiB; beyond, they are rasterised before the next trace
+constexpr std::size_t kMostFarChords = 1 << 22; // 224 MiB; beyond, they are rasterised before the next trace
 
 class CpuTracer final : public PhotonTracer {
 public:
@@ -57,7 +57,7 @@ public:
     if (mFar.waiting() > kMostFarChords) settleFarLight();
   }
 
-  void finish() override { mFar.sort(mSetup.rules.march.maxStep, mCtx); }
+  void finish() override { mFar.sort(mCtx); }
 
   [[nodiscard]] bool touched(std::int64_t block) const override {
     bool light = mFar.touched(block);
@@ -123,9 +123,16 @@ private:
           const auto row = static_cast<std::int32_t>((first + t) * kReachTile);
           const Block block{std::max(row, rows.begin), std::min(row + kReachTile, rows.end), column,
                             std::min(column + kReachTile, frame.columns)};
-          block.forEachCell(frame, [&](std::int64_t cell) {
-            if (entry[cell] != kernels::kNeverBends) found[t].push_back(static_cast<std::uint32_t>(cell));
-          });
+          // In quarters, so that a register's photons are as close together as can be.
+          for (std::int32_t quarter = 0; quarter < 4; ++quarter) {
+            constexpr std::int32_t kHalf = kReachTile / 2;
+            const std::int32_t r0 = row + quarter / 2 * kHalf, c0 = column + quarter % 2 * kHalf;
+            const Block part{std::max(block.row0, r0), std::min(block.row1, r0 + kHalf), c0,
+                             std::min(block.column1, c0 + kHalf)};
+            part.forEachCell(frame, [&](std::int64_t cell) {
+              if (entry[cell] != kernels::kNeverBends) found[t].push_back(static_cast<std::uint32_t>(cell));
+            });
+          }
         }
     });
     std::size_t count = 0;
@@ -152,7 +159,7 @@ private:
 
   /// Rasterises the far chords so far into the workers' bricks, which takes their memory back.
   void settleFarLight() {
-    mFar.sort(mSetup.rules.march.maxStep, mCtx);
+    mFar.sort(mCtx);
     parallelFor(mFar.blockCount(), 1, mCtx, [&](std::int64_t begin, std::int64_t end, int slot) {
       BlockSums sums;
       for (std::int64_t block = begin; block < end; ++block) {

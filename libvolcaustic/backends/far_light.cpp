@@ -33,7 +33,8 @@ void FarLight::clear() {
   std::fill(mFirst.begin(), mFirst.end(), 0);
 }
 
-void FarLight::sort(float longest, const RunContext& ctx) {
+void FarLight::sort(const RunContext& ctx) {
+  ctx.requireMemory(2 * (mChords.size() + waiting()) * sizeof(FarChord), "photons: straight ways");
   for (std::vector<FarChords>& tasks : mTasks)
     for (FarChords& task : tasks) mChords.insert(mChords.end(), task.all().begin(), task.all().end());
   mTasks.clear();
@@ -46,8 +47,11 @@ void FarLight::sort(float longest, const RunContext& ctx) {
   parallelFor(pieces, 1, ctx, [&](std::int64_t begin, std::int64_t end, int) {
     for (std::int64_t p = begin; p < end; ++p) {
       const std::int64_t size = std::min(kPiece, count - p * kPiece);
-      found[p].resize(size * mostBlocks(longest));
-      found[p].resize(mLanes.findBlocks(mChords.data() + p * kPiece, size, mBlockDims, found[p].data()));
+      const FarChord* chords = mChords.data() + p * kPiece;
+      std::int64_t most = 0;
+      for (std::int64_t i = 0; i < size; ++i) most += mostBlocks(chords[i].length);
+      found[p].resize(most);
+      found[p].resize(mLanes.findBlocks(chords, size, mBlockDims, found[p].data()));
     }
   });
   std::fill(mFirst.begin(), mFirst.end(), 0);

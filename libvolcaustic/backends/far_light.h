@@ -15,8 +15,8 @@ public:
   [[nodiscard]] std::span<FarChords> newTasks(std::int64_t count);
   /// Chords of the tasks that are not sorted yet.
   [[nodiscard]] std::size_t waiting() const;
-  /// Sorts all chords by block. `longest` bounds their length.
-  void sort(float longest, const RunContext& ctx);
+  /// Sorts all chords by block. \throws Error(Input) beyond the memory limit.
+  void sort(const RunContext& ctx);
 
   [[nodiscard]] bool touched(std::int64_t block) const { return mFirst[block] < mFirst[block + 1]; }
   /// Adds the light inside the block; returns the voxels crossed. After sort().

@@ -65,7 +65,6 @@ struct Int {
 VOLCAUSTIC_HD inline Float select(const Mask& m, Float a, Float b) { return Float(hn::IfThenElse(m.m, a.v, b.v)); }
 VOLCAUSTIC_HD inline Int select(const Mask& m, Int a, Int b) { return Int(hn::IfThenElse(integers(m), a.v, b.v)); }
 VOLCAUSTIC_HD inline bool any(const Mask& m) { return !hn::AllFalse(FloatTag(), m.m); }
-VOLCAUSTIC_HD inline bool all(const Mask& m) { return hn::AllTrue(FloatTag(), m.m); }
 VOLCAUSTIC_HD inline Mask both(const Mask& a, const Mask& b) { return {hn::And(a.m, b.m)}; }
 VOLCAUSTIC_HD inline Mask either(const Mask& a, const Mask& b) { return {hn::Or(a.m, b.m)}; }
 VOLCAUSTIC_HD inline Mask negate(const Mask& a) { return {hn::Not(a.m)}; }
@@ -74,9 +73,7 @@ VOLCAUSTIC_HD inline Float smaller(Float a, Float b) { return Float(hn::Min(a.v,
 VOLCAUSTIC_HD inline Float larger(Float a, Float b) { return Float(hn::Max(a.v, b.v)); }
 VOLCAUSTIC_HD inline Int smaller(Int a, Int b) { return Int(hn::Min(a.v, b.v)); }
 VOLCAUSTIC_HD inline Int larger(Int a, Int b) { return Int(hn::Max(a.v, b.v)); }
-VOLCAUSTIC_HD inline Float floorOf(Float a) { return Float(hn::Floor(a.v)); }
 VOLCAUSTIC_HD inline Float absOf(Float a) { return Float(hn::Abs(a.v)); }
-VOLCAUSTIC_HD inline Float squareRoot(Float a) { return Float(hn::Sqrt(a.v)); }
 VOLCAUSTIC_HD inline Float mulAdd(Float a, Float b, Float c) { return Float(hn::MulAdd(a.v, b.v, c.v)); }
 VOLCAUSTIC_HD inline Float exponential(Float a) { return Float(hn::Exp(FloatTag(), a.v)); }
 VOLCAUSTIC_HD inline Int toInt(Float a) { return Int(hn::ConvertTo(IntTag(), a.v)); }

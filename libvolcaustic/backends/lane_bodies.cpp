@@ -380,11 +380,13 @@ struct FarLanes {
 void clipToBlock(const Vec3<Float>& start, const Vec3<Float>& direction, Float length, Float& from, Float& to) {
   from = Float(0);
   to = length;
+  // A chord that stays in a face belongs to the block that it was found in.
   const auto axis = [&](Float s, Float d) {
-    const Float inverse = select(absOf(d) > Float(1e-12f), reciprocal(d), Float(1e12f));
+    const Mask moves = absOf(d) > Float(1e-12f);
+    const Float inverse = reciprocal(select(moves, d, Float(1)));
     const Float low = -s * inverse, high = (Float(kBlockEdge) - s) * inverse;
-    from = larger(from, smaller(low, high));
-    to = smaller(to, larger(low, high));
+    from = select(moves, larger(from, smaller(low, high)), from);
+    to = select(moves, smaller(to, larger(low, high)), to);
   };
   axis(start.x, direction.x);
   axis(start.y, direction.y);
@@ -521,6 +523,20 @@ kernels::LitLengths<float> litLengths(const kernels::LitView& view, const float*
     lit = lit + select(on, some.lit, Float(0));
   }
   return {hn::GetLane(hn::SumOfLanes(FloatTag(), all.v)), hn::GetLane(hn::SumOfLanes(FloatTag(), lit.v))};
+}
+
+void lightBrick(const kernels::LampView& lamp, float* fluence, float* direction) {
+  const FloatTag d;
+  const auto add = [&](const Vec3<Float>& v, float* to) {
+    Float x, y, z;
+    hn::LoadInterleaved3(d, to, x.v, y.v, z.v);
+    hn::StoreInterleaved3((x + v.x).v, (y + v.y).v, (z + v.z).v, d, to);
+  };
+  for (std::int32_t k = 0; k < kernels::kStepVoxels; k += kLanes) {
+    const kernels::LampLight<Float> light = kernels::lampLight<Float>(lamp, Int(hn::Iota(IntTag(), k)));
+    add(light.fluence, fluence + std::ptrdiff_t{3} * k);
+    add(light.direction * kernels::luminance(light.fluence), direction + std::ptrdiff_t{3} * k);
+  }
 }
 
 void smoothBrick(const float* in, float* out) { kernels::smoothBrick(in, out); }

@@ -18,6 +18,7 @@ namespace volcaustic {
   std::int64_t rasterise(const FarChord* chords, const std::uint32_t* ids, std::int64_t count,                         \
                          const kernels::Int3& corner, float scale, BlockSums& sums);                                   \
   kernels::LitLengths<float> litLengths(const kernels::LitView& view, const float* entry);                             \
+  void lightBrick(const kernels::LampView& lamp, float* fluence, float* direction);                                    \
   void smoothBrick(const float* in, float* out);                                                                       \
   }
 VOLCAUSTIC_LANE_FUNCTIONS(avx512)
@@ -43,6 +44,17 @@ kernels::LitLengths<float> litOneByOne(const kernels::LitView& view, const float
   return sum;
 }
 
+void lightOneByOne(const kernels::LampView& lamp, float* fluence, float* direction) {
+  for (std::int32_t k = 0; k < kernels::kStepVoxels; ++k) {
+    const kernels::LampLight<float> light = kernels::lampLight<float>(lamp, k);
+    const float l = kernels::luminance(light.fluence);
+    for (int i = 0; i < 3; ++i) {
+      fluence[3 * k + i] += light.fluence[i];
+      direction[3 * k + i] += light.direction[i] * l;
+    }
+  }
+}
+
 void smoothOneByOne(const float* in, float* out) { kernels::smoothBrick(in, out); }
 
 std::vector<LaneSet> findLaneSets() {
@@ -51,12 +63,12 @@ std::vector<LaneSet> findLaneSets() {
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
     sets.push_back({"avx512", 16, avx512::tracePhotons, avx512::findBlocks, avx512::rasterise, avx512::litLengths,
-                    avx512::smoothBrick});
+                    avx512::lightBrick, avx512::smoothBrick});
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
     sets.push_back({"avx2", 8, avx2::tracePhotons, avx2::findBlocks, avx2::rasterise, avx2::litLengths,
-                    avx2::smoothBrick});
+                    avx2::lightBrick, avx2::smoothBrick});
 #endif
-  sets.push_back({"scalar", 1, traceOneByOne, nullptr, nullptr, litOneByOne, smoothOneByOne});
+  sets.push_back({"scalar", 1, traceOneByOne, nullptr, nullptr, litOneByOne, lightOneByOne, smoothOneByOne});
   return sets;
 }
 

@@ -62,8 +62,8 @@ struct LaneSet {
   int width;             ///< numbers in a register
   /// Carries photons to their ends. Light of short chords goes to the sums, long chords to `far`.
   void (*tracePhotons)(const PhotonTask& task, CpuSums& sums, FarChords& far);
-  /// Blocks of blockDims that each of `count` chords goes through, in the order of the chords; `crossings` has room for
-  /// mostBlocks() of each. Returns their number.
+  /// Blocks of blockDims that each of `count` chords goes through, each once; `crossings` has room for mostBlocks() of
+  /// every chord. Returns their number.
   std::int64_t (*findBlocks)(const FarChord* chords, std::int64_t count, const kernels::Int3& blockDims,
                              BlockCrossing* crossings);
   /// Adds the part inside the block of chords[ids[0]] to chords[ids[count - 1]] to its sums, each for a deposit of at
@@ -72,6 +72,8 @@ struct LaneSet {
                             const kernels::Int3& corner, float scale, BlockSums& sums);
   /// Lengths of all rays of the footprint inside the voxel: in all, and before their first bends.
   kernels::LitLengths<float> (*litLengths)(const kernels::LitView& view, const float* entry);
+  /// Adds the light to all 512 voxels of a brick: fluence, and its luminance times the direction; three numbers each.
+  void (*lightBrick)(const kernels::LampView& lamp, float* fluence, float* direction);
   /// Three passes of (1, 2, 1)/4 over a brick of three-vectors and one voxel around it: 10x10x10 in, 8x8x8 out.
   void (*smoothBrick)(const float* in, float* out);
 };

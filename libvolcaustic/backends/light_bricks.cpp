@@ -1,11 +1,12 @@
 #include "backends/light_bricks.h"
 
+#include "core/large_memory.h"
 #include "volcaustic/error.h"
 
 #include <algorithm>
+#include <cstring>
 #include <new>
 #include <string>
-#include <sys/mman.h>
 
 namespace volcaustic {
 
@@ -25,7 +26,7 @@ LightBricks::LightBricks(std::int64_t brickCount, MemoryBudget& budget)
 }
 
 LightBricks::~LightBricks() {
-  for (Brick* chunk : mChunks) munmap(chunk, kChunkBytes);
+  for (Brick* chunk : mChunks) freeLarge(chunk);
 }
 
 void LightBricks::allocate(std::int64_t brick) {
@@ -34,13 +35,12 @@ void LightBricks::allocate(std::int64_t brick) {
                                       std::to_string(mBudget->limit >> 20) +
                                       " MiB; lower the resolution or raise --memory-limit");
   if (mInLastChunk == kChunkBricks) {
-    void* chunk = mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (chunk == MAP_FAILED) throw std::bad_alloc();
-    (void)madvise(chunk, kChunkBytes, MADV_HUGEPAGE); // a wish
-    mChunks.push_back(static_cast<Brick*>(chunk));
+    mChunks.push_back(static_cast<Brick*>(allocateLarge(kChunkBytes)));
     mInLastChunk = 0;
   }
-  mBricks[brick] = mChunks.back() + mInLastChunk++;
+  Brick* sums = mChunks.back() + mInLastChunk++;
+  std::memset(static_cast<void*>(sums), 0, sizeof(Brick));
+  mBricks[brick] = sums;
 }
 
 void LightBricks::carry(std::int64_t brick, std::int32_t offset) {

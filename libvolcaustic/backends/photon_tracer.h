@@ -56,6 +56,7 @@ public:
   [[nodiscard]] virtual bool touched(std::int64_t block) const = 0;
   /// Adds the block's sums to `sums`. Safe from several threads at once.
   virtual void addBlock(std::int64_t block, BlockSums& sums) const = 0;
+  /// Complete when addBlock has been called once for every touched block: some voxels are only crossed there.
   [[nodiscard]] virtual PhotonTally tally() const = 0;
   /// The most memory that the tracer's own arrays took, bytes on its machine.
   [[nodiscard]] virtual std::uint64_t peakBytes() const = 0;

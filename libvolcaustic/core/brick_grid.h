@@ -3,15 +3,13 @@
 // fastest).
 #pragma once
 
+#include "core/large_memory.h"
 #include "volcaustic/types.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
-#include <memory>
-#include <new>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace volcaustic {
@@ -25,24 +23,6 @@ constexpr int brickOffset(int x, int y, int z) { return ((x & 7) << 6) | ((y & 7
 
 /// Whether new voxels are set to their brick's constant at once, or by the caller.
 enum class Fill { Constant, Later };
-
-/// Leaves new elements as they are: pages are then first touched by the thread that writes them.
-template <class T>
-struct UninitialisedAllocator : std::allocator<T> {
-  template <class U>
-  struct rebind {
-    using other = UninitialisedAllocator<U>;
-  };
-  using std::allocator<T>::allocator;
-  template <class U>
-  void construct(U* p) {
-    ::new (static_cast<void*>(p)) U;
-  }
-  template <class U, class... Args>
-  void construct(U* p, Args&&... args) {
-    ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
-  }
-};
 
 template <class T>
 class BrickGrid {

@@ -72,12 +72,12 @@ struct FlatMedium {
   VOLCAUSTIC_HD I brickIndex(const Vec3<I>& v) const {
     return ((v.x >> 3) * I(brickDims.y) + (v.y >> 3)) * I(brickDims.z) + (v.z >> 3);
   }
-  /// The voxel that holds p, clamped into the domain.
+  /// The voxel that holds p, clamped into the domain. Below zero rounding towards it makes no difference then.
   template <class F>
   VOLCAUSTIC_HD Vec3<IntOf<F>> voxelOf(const Vec3<F>& p) const {
     using I = IntOf<F>;
-    return {clampTo(toInt(floorOf(p.x)), I(0), I(dims.x - 1)), clampTo(toInt(floorOf(p.y)), I(0), I(dims.y - 1)),
-            clampTo(toInt(floorOf(p.z)), I(0), I(dims.z - 1))};
+    return {clampTo(toInt(p.x), I(0), I(dims.x - 1)), clampTo(toInt(p.y), I(0), I(dims.y - 1)),
+            clampTo(toInt(p.z), I(0), I(dims.z - 1))};
   }
   template <class I>
   VOLCAUSTIC_HD static I voxelOffset(const Vec3<I>& v) {
@@ -149,9 +149,9 @@ template <class F>
 VOLCAUSTIC_HD inline FieldSample<F> sampleField(const FlatMedium& m, const Vec3<F>& p) {
   using I = IntOf<F>;
   const Vec3<F> q = p - Vec3<F>(F(0.5f));
-  const Vec3<I> base{clampTo(toInt(floorOf(q.x)), I(0), I(larger(m.dims.x - 2, 0))),
-                     clampTo(toInt(floorOf(q.y)), I(0), I(larger(m.dims.y - 2, 0))),
-                     clampTo(toInt(floorOf(q.z)), I(0), I(larger(m.dims.z - 2, 0)))};
+  const Vec3<I> base{clampTo(toInt(q.x), I(0), I(larger(m.dims.x - 2, 0))),
+                     clampTo(toInt(q.y), I(0), I(larger(m.dims.y - 2, 0))),
+                     clampTo(toInt(q.z), I(0), I(larger(m.dims.z - 2, 0)))};
   const I brick = m.brickIndex(base);
   const I slot = gather(m.fieldSlots, brick);
   const Vec3<F> t = q - Vec3<F>(toFloat(base.x), toFloat(base.y), toFloat(base.z));

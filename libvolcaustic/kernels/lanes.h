@@ -30,21 +30,20 @@ VOLCAUSTIC_HD constexpr bool both(bool a, bool b) { return a && b; }
 VOLCAUSTIC_HD constexpr bool either(bool a, bool b) { return a || b; }
 VOLCAUSTIC_HD constexpr bool negate(bool a) { return !a; }
 
-VOLCAUSTIC_HD inline float floorOf(float a) { return std::floor(a); }
 VOLCAUSTIC_HD inline float absOf(float a) { return std::abs(a); }
-VOLCAUSTIC_HD inline float squareRoot(float a) { return std::sqrt(a); }
 VOLCAUSTIC_HD inline float reciprocal(float a) { return 1 / a; }
 /// 1/sqrt(a), a > 0; lanes may be a unit in the last place off.
 VOLCAUSTIC_HD inline float inverseRoot(float a) { return 1 / std::sqrt(a); }
 VOLCAUSTIC_HD inline float exponential(float a) { return std::exp(a); }
 /// a b + c, fused where the machine fuses for free.
 VOLCAUSTIC_HD constexpr float mulAdd(float a, float b, float c) { return a * b + c; }
+/// Rounded towards zero.
 VOLCAUSTIC_HD constexpr std::int32_t toInt(float a) { return static_cast<std::int32_t>(a); }
 VOLCAUSTIC_HD constexpr float toFloat(std::int32_t a) { return static_cast<float>(a); }
 /// 2^a for a in [0, 30].
 VOLCAUSTIC_HD constexpr std::int32_t powerOfTwo(std::int32_t a) { return 1 << a; }
 
-/// base[index * stride] and bytes[index], the number widened.
+/// base[index], and bytes[index] widened.
 VOLCAUSTIC_HD inline std::int32_t gather(const std::int32_t* base, std::int32_t index) { return base[index]; }
 VOLCAUSTIC_HD inline float gather(const float* base, std::int32_t index) { return base[index]; }
 VOLCAUSTIC_HD inline std::int32_t gatherByte(const std::uint8_t* bytes, std::int32_t index) { return bytes[index]; }

@@ -56,4 +56,50 @@ VOLCAUSTIC_HD inline LitLengths<F> litLengths(const LitView& view, const float* 
   return {all, clampTo(bend - in, F(0), all)};
 }
 
+/// A light as the voxels of a brick see it where nothing stands between: grid space.
+struct LampView {
+  Float3 low;         ///< the brick's low corner
+  Float3 fromLight;   ///< point light: from it to the low corner
+  Float3 direction;   ///< parallel light: unit vector
+  Float3 strength;    ///< fluence (parallel light), or fluence times distance^2 in voxels (point light)
+  Float3 attenuation; ///< of the ambient medium, 1/voxel
+  Float3 box;         ///< high corner of the domain
+  bool point, clear;
+};
+
+/// Fluence of the unobstructed light at the centre of the brick's voxel `k` (z fastest), and where it goes.
+template <class F>
+struct LampLight {
+  Vec3<F> fluence, direction;
+};
+template <class F>
+VOLCAUSTIC_HD inline LampLight<F> lampLight(const LampView& lamp, const IntOf<F>& k) {
+  using I = IntOf<F>;
+  const auto vec = [](const Float3& a) { return Vec3<F>(F(a.x), F(a.y), F(a.z)); };
+  const Vec3<F> centre(toFloat(k >> 6) + F(0.5f), toFloat((k >> 3) & I(7)) + F(0.5f), toFloat(k & I(7)) + F(0.5f));
+  LampLight<F> light{vec(lamp.strength), vec(lamp.direction)};
+  F way(3.0e38f);
+  if (lamp.point) {
+    const Vec3<F> r = vec(lamp.fromLight) + centre;
+    // Inside the light's own voxel: as at half a voxel.
+    const F squared = dot(r, r), inverse = inverseRoot(larger(squared, F(1e-12f)));
+    light.direction = r * inverse;
+    light.fluence = light.fluence * reciprocal(larger(squared, F(0.25f)));
+    way = squared * inverse;
+  }
+  if (lamp.clear) return light;
+  // Back along the light to the face of the box, or to the light itself.
+  const Vec3<F> p = vec(lamp.low) + centre;
+  const auto axis = [&](F pa, F da, float high) {
+    const F back = select(da > F(0), pa, pa - F(high));
+    way = smaller(way, select(absOf(da) > F(1e-6f), back * reciprocal(da), F(3.0e38f)));
+  };
+  axis(p.x, light.direction.x, lamp.box.x);
+  axis(p.y, light.direction.y, lamp.box.y);
+  axis(p.z, light.direction.z, lamp.box.z);
+  const Vec3<F> depth = vec(lamp.attenuation) * way;
+  light.fluence = light.fluence * Vec3<F>(exponential(-depth.x), exponential(-depth.y), exponential(-depth.z));
+  return light;
+}
+
 } // namespace volcaustic::kernels

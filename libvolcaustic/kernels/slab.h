@@ -123,7 +123,7 @@ public:
   }
 
 private:
-  VOLCAUSTIC_HD static I cell(F p, I last) { return clampTo(toInt(floorOf(p)), I(0), last); }
+  VOLCAUSTIC_HD static I cell(F p, I last) { return clampTo(toInt(p), I(0), last); }
 
   /// Cells at both ends of [in, out] along an axis, and where between them the chord passes from one to the other (`out`
   /// when it does not).

@@ -69,6 +69,7 @@ struct Session::State {
   Stage<FlatMediumStorage> flat;
   Stage<PhotonResult> photons;
   Stage<ViewResult> view;
+  std::shared_ptr<TracerState> tracers = std::make_shared<TracerState>();
   bool foreignRadiance = false; // photons.result came from setRadiance
   struct LoadedMesh {
     std::filesystem::file_time_type time;
@@ -209,7 +210,7 @@ const PhotonResult& Session::photons() {
   addOptions(h, s.scene.photons);
   for (const Light& light : s.scene.lights) addOptions(h, light);
   return s.ensure(s.photons, "photons", h,
-                  [&] { return tracePhotons(m, flat, s.scene.lights, s.scene.photons, s.ctx); });
+                  [&] { return tracePhotons(m, flat, s.scene.lights, s.scene.photons, s.ctx, s.tracers); });
 }
 
 const ViewResult& Session::view() {
@@ -230,7 +231,7 @@ const ViewResult& Session::view() {
 void Session::setRadiance(RadianceVolume radiance) {
   State& s = *mState;
   s.foreignRadiance = true;
-  s.photons.result = PhotonResult{std::move(radiance), {}};
+  s.photons.result = PhotonResult{std::move(radiance), {}, {}, 0};
   s.photons.key = Hash().text("foreign").value(++s.photons.key).digest();
 }
 

@@ -4,7 +4,9 @@
 #include "core/parallel.h"
 #include "transport/footprint.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace volcaustic {
@@ -102,6 +104,20 @@ public:
     const kernels::Span s = kernels::clipToBox(mFlat.dims, origin, direction);
     const double start = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
     return strength * kernels::transmittance(mFlat.optics[0], std::max(0.0, reach - start));
+  }
+
+  /// Adds the unobstructed light to a brick.
+  void lightBrick(const Int3& low, std::span<Vec3f> fluence, std::span<Vec3f> direction) const {
+    const auto single = [](const Double3& a) { return kernels::Float3(a); };
+    kernels::LampView lamp{single(Double3(low)),
+                           single(Double3(low) - mFrame.origin),
+                           single(mFrame.axisW),
+                           single(mStrength * (mFrame.point ? 1 / (mVoxelSize * mVoxelSize) : 1)),
+                           mFlat.optics[0].attenuation,
+                           kernels::Float3(mFlat.dims),
+                           mFrame.point,
+                           mClear};
+    mLanes.lightBrick(lamp, fluence.data()->data(), direction.data()->data());
   }
 
   [[nodiscard]] bool uniformOverBrick() const { return mClear && !mFrame.point; }
@@ -222,6 +238,12 @@ void addDirectLight(DirectLight& direct, const FlatMediumStorage& flat, const Do
   parallelFor(direct.fluence.brickCount(), 256, ctx, [&](std::int64_t begin, std::int64_t end, int) {
     for (std::int64_t b = begin; b < end; ++b) covers[b] = evaluator.cover(lowOf(b), kBrickSize);
   });
+  // A number for each sequence of covers, however many rasters there are.
+  direct.covers.resize(covers.size());
+  for (std::size_t b = 0; b < covers.size(); ++b)
+    direct.covers[b] = covers[b] == Cover::Mixed || direct.covers[b] == DirectLight::kEdge
+                           ? DirectLight::kEdge
+                           : direct.covers[b] * 0x100000001b3ull + (covers[b] == Cover::Lit);
   std::vector<std::int64_t> varying;
   for (std::int64_t b = 0; b < direct.fluence.brickCount(); ++b) {
     if (covers[b] == Cover::Shadow) continue;
@@ -236,19 +258,32 @@ void addDirectLight(DirectLight& direct, const FlatMediumStorage& flat, const Do
     direct.direction.setConstant(b, plus(direct.direction.constant(b), d * kernels::luminance(f)));
   }
   ctx.requireMemory(varying.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: direct light");
-  direct.fluence.activate(varying);
-  direct.direction.activate(varying);
+  std::vector<std::int64_t> fresh;
+  std::copy_if(varying.begin(), varying.end(), std::back_inserter(fresh),
+               [&](std::int64_t b) { return direct.fluence.isConstant(b); });
+  std::vector<char> isFresh(covers.size());
+  for (const std::int64_t b : fresh) isFresh[b] = 1;
+  direct.fluence.activate(fresh, Fill::Later);
+  direct.direction.activate(fresh, Fill::Later);
 
   parallelFor(static_cast<std::int64_t>(varying.size()), 8, ctx, [&](std::int64_t begin, std::int64_t end, int) {
     for (std::int64_t i = begin; i < end; ++i) {
       const std::int64_t b = varying[i];
       const auto fluence = direct.fluence.voxels(b), direction = direct.direction.voxels(b);
       const Int3 low = lowOf(b);
+      if (isFresh[b]) {
+        std::fill(fluence.begin(), fluence.end(), direct.fluence.constant(b));
+        std::fill(direction.begin(), direction.end(), direct.direction.constant(b));
+      }
+      if (covers[b] == Cover::Lit) {
+        evaluator.lightBrick(low, fluence, direction);
+        continue;
+      }
       for (int k = 0; k < kBrickVoxels; ++k) {
         const Int3 v{low.x + (k >> 6), low.y + ((k >> 3) & 7), low.z + (k & 7)};
         const double share = evaluator.share(v);
         if (share == 0) continue;
-        const double lit = covers[b] == Cover::Lit ? 1.0 : share * evaluator.litFraction(v);
+        const double lit = share * evaluator.litFraction(v);
         if (lit == 0) continue;
         Double3 d;
         const Double3 f = evaluator.fluence(v, d) * lit;

@@ -7,6 +7,7 @@
 #include "volume/flatten.h"
 
 #include <span>
+#include <vector>
 
 namespace volcaustic {
 
@@ -14,6 +15,10 @@ namespace volcaustic {
 struct DirectLight {
   BrickGrid<Vec3f> fluence;
   BrickGrid<Vec3f> direction;
+  /// Of each brick: kEdge where some raster lights a part of it, else a number for which rasters light it. Empty without
+  /// lights.
+  std::vector<std::uint64_t> covers;
+  static constexpr std::uint64_t kEdge = ~std::uint64_t{0};
 };
 
 /// Adds one raster of a light. `entry` is EmissionBody's distance map: the same rays that decide which photons are

@@ -1,15 +1,18 @@
 // The photon and view passes on a medium that is already flat, so that a Session flattens once for both.
 #pragma once
 
+#include "transport/tracers.h"
 #include "volcaustic/photons.h"
 #include "volcaustic/view.h"
 #include "volume/flatten.h"
 
 namespace volcaustic {
 
-/// tracePhotons; `flat` is flattenMedium of `medium`.
+/// tracePhotons; `flat` is flattenMedium of `medium`. `state` is what passes in a row share: the choice of a device and
+/// the balance between two of them.
 PhotonResult tracePhotons(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
-                          const PhotonOptions& options, const RunContext& ctx);
+                          const PhotonOptions& options, const RunContext& ctx,
+                          std::shared_ptr<TracerState> state = std::make_shared<TracerState>());
 
 /// renderView; likewise.
 ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance,

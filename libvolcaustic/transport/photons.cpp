@@ -15,7 +15,9 @@
 #include "volume/radiance_bricks.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <type_traits>
 
 namespace volcaustic {
 
@@ -50,7 +52,7 @@ FixedPoint fixedPoint(std::span<const NumberedFrame> frames) {
 class PhotonPass {
 public:
   PhotonPass(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
-             const PhotonOptions& options, const RunContext& ctx)
+             const PhotonOptions& options, const RunContext& ctx, std::shared_ptr<TracerState> state)
       : mMedium(medium)
       , mLights(lights)
       , mOptions(options)
@@ -58,8 +60,8 @@ public:
       , mFlat(flat)
       , mFrames(allFrames())
       , mScale(fixedPoint(mFrames))
-      , mTracer(makeTracer({flat.view(), rules(), mScale}, ctx))
-      , mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0})} {}
+      , mTracer(makeTracer({flat.view(), rules(), mScale}, tracerContext(), std::move(state)))
+      , mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), {}} {}
 
   PhotonResult run() {
     for (std::size_t i = 0; i < mFrames.size(); ++i) traceFrame(static_cast<int>(i));
@@ -76,15 +78,55 @@ private:
     return frames;
   }
 
+  /// Raster by raster, each in strips of rows: what a tracer keeps for its photons stays small, and a run of hours can
+  /// tell how far it is.
   void traceFrame(int number) {
     const auto& [light, frame] = mFrames[number];
     mCtx.requireMemory(static_cast<std::uint64_t>(frame.cells()) * sizeof(float), "photons.grid");
     std::vector<float> entry(frame.cells());
-    const ReachMap reach = reachOf(mFlat, frame);
-    const RowRange all{0, frame.rows};
-    mTracer->emit(frame, reach.view(), all, entry.data());
-    mTracer->trace(frame, all, entry.data());
-    addDirectLight(mDirect, mFlat, mMedium.domain(), mLights[light], frame, entry, mCtx);
+    const ReachMap reach = timed("reach", [&] { return reachOf(mFlat, frame); });
+    constexpr std::int64_t kStripCells = 1 << 22;
+    const std::int64_t tiles = std::max<std::int64_t>(kStripCells / frame.columns / kernels::kReachTile, 1);
+    const auto strip = static_cast<std::int32_t>(std::min<std::int64_t>(tiles * kernels::kReachTile, frame.rows));
+    for (RowRange rows{0, strip}; rows.begin < frame.rows; rows = {rows.end, rows.end + strip}) {
+      rows.end = std::min(rows.end, frame.rows);
+      const double all = static_cast<double>(mFrames.size()) * frame.rows;
+      mTraced = static_cast<double>(number) / static_cast<double>(mFrames.size()) + rows.begin / all;
+      mTracing = (rows.end - rows.begin) / all;
+      timed("emission", [&] { mTracer->emit(frame, reach.view(), rows, entry.data()); });
+      timed("photons", [&] { mTracer->trace(frame, rows, entry.data()); });
+    }
+    timed("direct light", [&] { addDirectLight(mDirect, mFlat, mMedium.domain(), mLights[light], frame, entry, mCtx); });
+  }
+
+  /// The caller's, with progress over all rasters and strips.
+  [[nodiscard]] RunContext tracerContext() {
+    RunContext ctx = mCtx;
+    if (mCtx.onProgress)
+      ctx.onProgress = [this](std::string_view stage, double f) { mCtx.onProgress(stage, mTraced + f * mTracing); };
+    return ctx;
+  }
+
+  /// Runs a part and adds its time to the parts of that name.
+  template <class Part>
+  std::invoke_result_t<Part> timed(const char* name, const Part& part) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto book = [&] {
+      const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+      const auto it = std::find_if(mParts.begin(), mParts.end(), [name](const PassPart& p) { return p.name == name; });
+      if (it != mParts.end())
+        it->ms += ms.count();
+      else
+        mParts.push_back({name, ms.count()});
+    };
+    if constexpr (std::is_void_v<decltype(part())>) {
+      part();
+      book();
+    } else {
+      auto result = part();
+      book();
+      return result;
+    }
   }
 
   [[nodiscard]] kernels::PhotonRules rules() const {
@@ -94,7 +136,6 @@ private:
   /// Fixed-point sums to fluence, block by block; the caustic's direction sums go to `direction`. Returns what the
   /// medium takes of that light, W.
   Rgb merge(BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) {
-    mTracer->finish();
     const std::vector<BlockOfBricks> blocks = touchedBlocks(caustic);
     std::vector<std::int64_t> bricks;
     for (const BlockOfBricks& b : blocks) bricks.insert(bricks.end(), b.bricks.begin(), b.bricks.end());
@@ -183,20 +224,43 @@ private:
     auto bricks = std::make_shared<RadianceBricks>();
     bricks->caustic = BrickGrid<Vec3f>(dims, {0, 0, 0});
     BrickGrid<Vec3f> causticDirection(dims, {0, 0, 0});
-    const Rgb depositedLoss = merge(bricks->caustic, causticDirection);
+    timed("sorting far light", [&] { mTracer->finish(); });
+    const Rgb depositedLoss = timed("sums", [&] { return merge(bricks->caustic, causticDirection); });
     EnergyBalance balance = balanceOfTallies();
     balance.depositedLoss = depositedLoss;
+    const std::uint64_t sumsBytes = mTracer->peakBytes();
     mTracer.reset();
 
-    if (mOptions.smooth) {
-      bricks->caustic = smoothed(bricks->caustic, mCtx);
-      causticDirection = smoothed(causticDirection, mCtx);
-      mDirect.fluence = smoothed(mDirect.fluence, mCtx);
-      mDirect.direction = smoothed(mDirect.direction, mCtx);
-    }
+    if (mOptions.smooth)
+      timed("smoothing", [&] {
+        bricks->caustic = smoothed(bricks->caustic, mCtx);
+        causticDirection = smoothed(causticDirection, mCtx);
+        const std::vector<std::int64_t> edges = directEdges();
+        smoothSome(mDirect.fluence, edges, mCtx);
+        smoothSome(mDirect.direction, edges, mCtx);
+      });
     bricks->direct = std::move(mDirect.fluence);
-    bricks->direction = meanDirection(*bricks, causticDirection, mDirect.direction);
-    return {RadianceVolume(mMedium.domain(), bricks), balance};
+    timed("direction", [&] { bricks->direction = meanDirection(*bricks, causticDirection, mDirect.direction); });
+    return {RadianceVolume(mMedium.domain(), bricks), balance, std::move(mParts), sumsBytes};
+  }
+
+  /// Bricks where direct light has an edge, or neighbours that see other lights. Elsewhere it is smooth by itself.
+  [[nodiscard]] std::vector<std::int64_t> directEdges() const {
+    const BrickGrid<Vec3f>& grid = mDirect.fluence;
+    const Vec3i n = grid.brickDims();
+    std::vector<std::int64_t> edges;
+    if (mDirect.covers.empty()) return edges;
+    for (std::int64_t b = 0; b < grid.brickCount(); ++b) {
+      const Vec3i c = grid.brickCoord(b);
+      bool edge = mDirect.covers[b] == DirectLight::kEdge;
+      for (int i = 0; i < 27 && !edge; ++i) {
+        const Vec3i o{c[0] + i / 9 - 1, c[1] + i / 3 % 3 - 1, c[2] + i % 3 - 1};
+        if (o[0] < 0 || o[1] < 0 || o[2] < 0 || o[0] >= n[0] || o[1] >= n[1] || o[2] >= n[2]) continue;
+        edge = mDirect.covers[grid.brickIndex(o)] != mDirect.covers[b];
+      }
+      if (edge) edges.push_back(b);
+    }
+    return edges;
   }
 
   /// (sum of luminance * direction) / (sum of luminance) over both parts of the light.
@@ -271,6 +335,8 @@ private:
   const FlatMediumStorage& mFlat;
   std::vector<NumberedFrame> mFrames;
   FixedPoint mScale;
+  double mTraced = 0, mTracing = 1; ///< fractions of all rows: done, and in the strip that is traced
+  std::vector<PassPart> mParts;
   std::unique_ptr<PhotonTracer> mTracer;
   DirectLight mDirect;
 };
@@ -298,9 +364,9 @@ double EnergyBalance::relativeImbalance() const {
 }
 
 PhotonResult tracePhotons(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
-                          const PhotonOptions& options, const RunContext& ctx) {
+                          const PhotonOptions& options, const RunContext& ctx, std::shared_ptr<TracerState> state) {
   check(options);
-  return PhotonPass(medium, flat, lights, options, ctx).run();
+  return PhotonPass(medium, flat, lights, options, ctx, std::move(state)).run();
 }
 
 PhotonResult tracePhotons(const Medium& medium, std::span<const Light> lights, const StepFieldOptions& stepField,

@@ -101,4 +101,25 @@ BrickGrid<Vec3f> smoothed(const BrickGrid<Vec3f>& field, const RunContext& ctx) 
   return result;
 }
 
+void smoothSome(BrickGrid<Vec3f>& field, std::span<const std::int64_t> bricks, const RunContext& ctx) {
+  std::vector<std::int64_t> fresh;
+  for (const std::int64_t b : bricks)
+    if (field.isConstant(b)) fresh.push_back(b);
+  ctx.requireMemory((fresh.size() + bricks.size()) * kBrickVoxels * sizeof(Vec3f), "photons: smoothing");
+  field.activate(fresh);
+  using Brick = std::array<Vec3f, kBrickVoxels>;
+  std::vector<Brick, UninitialisedAllocator<Brick>> results(bricks.size());
+  const LaneSet& lanes = laneSet("");
+  const auto count = static_cast<std::int64_t>(bricks.size());
+  parallelFor(count, 16, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    Neighbourhood around(field);
+    for (std::int64_t i = begin; i < end; ++i)
+      lanes.smoothBrick(around.gather(field.brickCoord(bricks[i])), results[i].data()->data());
+  });
+  parallelFor(count, 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t i = begin; i < end; ++i)
+      std::copy(results[i].begin(), results[i].end(), field.voxels(bricks[i]).begin());
+  });
+}
+
 } // namespace volcaustic

@@ -1,5 +1,6 @@
 // Conservation and closed forms of the photon pass.
 
+#include "backends/lanes.h"
 #include "support/fields.h"
 #include "support/solids.h"
 #include "volcaustic/error.h"
@@ -152,6 +153,62 @@ TEST(BeerLambert, DirectAndTracedLightDecayAlike) {
       EXPECT_NEAR(direct.radiance.fluence({30, 30, k})[c], expected, 1e-3 * expected);
       EXPECT_NEAR(traced.radiance.fluence({30, 30, k})[c], expected, 2e-3 * expected);
     }
+  }
+}
+
+/// Each instruction set of this processor.
+class OnLanes : public testing::TestWithParam<std::string> {
+protected:
+  RunContext mCtx;
+  void SetUp() override { mCtx.device = "cpu:" + GetParam(); }
+};
+INSTANTIATE_TEST_SUITE_P(All, OnLanes, testing::ValuesIn([] {
+                           std::vector<std::string> names;
+                           for (const LaneSet& set : laneSets()) names.emplace_back(set.name);
+                           return names;
+                         }()),
+                         [](const auto& set) { return set.param; });
+
+// A body that fills the box and takes most of the light within a few voxels. The fluence of a voxel is the mean over
+// its depth, not the value at its centre.
+TEST_P(OnLanes, BeerLambertHoldsVoxelByVoxelInStrongAbsorption) {
+  constexpr int kVoxels = 64;
+  Body block;
+  block.mesh = std::make_shared<const Mesh>(ellipsoid({.5, .5, .5}, {20, 20, 20}, 64));
+  block.material.index = 1;
+  block.material.attenuation = {.5 * kVoxels, .1 * kVoxels, .01 * kVoxels};
+  block.material.scattering = {.2 * kVoxels, .1 * kVoxels, 0};
+  PhotonOptions options;
+  options.cutoff = 0;
+  const auto straight = trace({block}, {}, kVoxels, sun({0, 0, -1}), options, mCtx, 256);
+  EXPECT_EQ(straight.balance.photonsTraced, 256 * 256);
+  for (int k = 0; k < kVoxels; ++k)
+    for (int c = 0; c < 3; ++c) {
+      const double a = block.material.attenuation[c] / kVoxels;
+      const double mean = std::exp(-a * (kVoxels - 1 - k)) * (1 - std::exp(-a)) / a;
+      // All photons go the same way here, so all of them round alike: each of a voxel's five parts to a whole unit,
+      // which is 2^-15 of the strongest photon's light or less.
+      EXPECT_NEAR(straight.radiance.fluence({20, 40, k})[c], mean, 1e-3 * mean + 2.5 / (1 << 15))
+          << "voxel " << k << " channel " << c;
+    }
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(straight.balance.tracedLoss[c], 1 - std::exp(-block.material.attenuation[c]), 1e-5);
+
+  // On slanted ways rounding evens out: what voxels take, voxel by voxel, is what photons lose, but for the light of
+  // less than half a unit that is left in the depth.
+  constexpr double kLeft = 3e-5;
+  const auto slanted = trace({block}, {}, kVoxels, sun({.31, -.23, -1}), options, mCtx, 256);
+  const EnergyBalance& e = slanted.balance;
+  EXPECT_LT(e.relativeImbalance(), 1e-6);
+  for (int c = 0; c < 3; ++c) {
+    const double lost = e.tracedLoss[c], albedo = block.material.scattering[c] / block.material.attenuation[c];
+    EXPECT_GT(lost, .3 * e.emitted[c]);
+    EXPECT_NEAR(e.depositedLoss[c], lost, kLeft * lost) << "channel " << c;
+    EXPECT_NEAR(e.scattered[c], lost * albedo, 1e-5 * lost) << "channel " << c;
+    double taken = 0;
+    forVoxels(slanted.radiance,
+              [&](const Vec3i& v) { taken += block.material.attenuation[c] * slanted.radiance.causticFluence(v)[c]; });
+    EXPECT_NEAR(taken / std::pow(kVoxels, 3), lost, kLeft * lost) << "channel " << c;
   }
 }
 

@@ -52,7 +52,9 @@ void runFrame(const BenchScene& scene, const FrameOptions& options, double voxel
               FrameFigures& figures) {
   Session session(sessionScene(scene, options.size), ctx);
   const Stopwatch watch;
-  figures.balance = session.photons().balance;
+  const PhotonResult& traced = session.photons();
+  figures.balance = traced.balance;
+  for (const PassPart& part : traced.parts) keepLeast(figures.photonParts, part.name.c_str(), part.ms);
   if (options.view) session.view();
   const double frame = watch.milliseconds();
 
@@ -127,6 +129,8 @@ Json frameReport(const FrameFigures& f) {
   Json ms = Json::object();
   for (const auto& [stage, time] : f.stages) ms[stage] = time;
   ms["total"] = f.total();
+  Json parts = Json::object();
+  for (const auto& [part, time] : f.photonParts) parts[part] = time;
   return {{"scene", f.scene},
           {"device", f.device},
           {"objects", f.objects},
@@ -136,6 +140,7 @@ Json frameReport(const FrameFigures& f) {
           {"sourcePhotons", f.sourcePhotons()},
           {"counts", photonCounts(f.balance)},
           {"ms", ms},
+          {"photonTracingMs", parts},
           {"framesPerSecond", f.framesPerSecond()},
           {"nsPerPhotonStep", f.nanosecondsPerStep()},
           {"nsPerVoxelCrossed", f.nanosecondsPerVoxelCrossed()},

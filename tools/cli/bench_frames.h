@@ -29,6 +29,7 @@ struct FrameFigures {
   std::int64_t occupiedVoxels = 0;
   EnergyBalance balance;
   StageTimes stages;                 ///< the least that each stage took; total() is their sum
+  StageTimes photonParts;            ///< of photon tracing, likewise
   std::uint64_t peakMemoryBytes = 0; ///< of one frame, the scene's meshes included
 
   [[nodiscard]] std::int64_t sourcePhotons() const { return std::int64_t{size.raster} * size.raster; }

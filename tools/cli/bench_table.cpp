@@ -11,7 +11,7 @@ namespace {
 
 /// A line of the table. What the paper does not have stays empty.
 struct Row {
-  const char* text;
+  std::string text;
   std::function<std::string(const FrameFigures&)> here;
   std::function<std::string(const PaperFigures&)> paper = [](const PaperFigures&) { return ""; };
 };
@@ -68,6 +68,19 @@ std::vector<Row> timeRows() {
            [](const auto& p) { return fmt::format("{:.0f}", p.framesPerSecond); }}};
 }
 
+/// The parts of photon tracing, in the order of the first scene.
+std::vector<Row> partRows(std::span<const FrameFigures> frames) {
+  std::vector<Row> rows;
+  if (frames.empty()) return rows;
+  for (const auto& [name, time] : frames.front().photonParts)
+    rows.push_back({"  photon tracing: " + name, [name](const FrameFigures& f) {
+                      for (const auto& [part, least] : f.photonParts)
+                        if (part == name) return ms(least);
+                      return std::string();
+                    }});
+  return rows;
+}
+
 std::vector<Row> derivedRows() {
   return {{"photon tracing, ns a photon step",
            [](const auto& f) { return fmt::format("{:.1f}", f.nanosecondsPerStep()); },
@@ -117,7 +130,7 @@ void printFrames(const std::string& device, std::span<const FrameFigures> frames
   }
   printLine(std::move(names));
   printLine(std::move(columns));
-  for (const auto& rows : {sceneRows(), timeRows(), derivedRows()}) {
+  for (const auto& rows : {sceneRows(), timeRows(), partRows(frames), derivedRows()}) {
     printRows(rows, frames);
     fmt::print("\n");
   }

@@ -116,8 +116,11 @@ void sayBalance(Job& job, const EnergyBalance& b, int maxSteps) {
     job.context().warn(fmt::format("{} photons left the finite numbers and were dropped", b.photonsNotFinite));
 }
 
-void addBalance(Job& job, const Session& session, const EnergyBalance& balance, Json& result) {
+void addPhotons(Job& job, const Session& session, const PhotonResult& photons, Json& result) {
+  const EnergyBalance& balance = photons.balance;
   sayBalance(job, balance, session.scene().photons.maxSteps);
+  result["sumsBytes"] = photons.sumsBytes;
+  for (const PassPart& part : photons.parts) result["photonParts"][part.name] = part.ms;
   result["counts"] = photonCounts(balance);
   result["energyBalance"] = energyReport(balance);
 }
@@ -150,7 +153,7 @@ int runTrace(const Trace& o) {
     Session& session = frames.at(frame, result);
     const PhotonResult& photons = session.photons();
     frames.reportStages();
-    addBalance(job, session, photons.balance, result);
+    addPhotons(job, session, photons, result);
     VdbWriteOptions write = o.write;
     write.metadata = fileMetadata(job, result, frame);
     job.timed("write", [&] { writeVdb(outputs.front(), photons.radiance, session.medium(), write, job.context()); });
@@ -202,7 +205,7 @@ int runRender(const Render& o) {
         return readRadiance(file, session.medium().domain(), job.context());
       }));
     else
-      addBalance(job, session, session.photons().balance, result);
+      addPhotons(job, session, session.photons(), result);
     const ViewResult& view = session.view();
     frames.reportStages();
     result["counts"].update(

@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace volcaustic {
 
@@ -103,9 +104,17 @@ private:
   std::shared_ptr<const RadianceBricks> mBricks;
 };
 
+/// What a part of a pass took.
+struct PassPart {
+  std::string name;
+  double ms = 0;
+};
+
 struct PhotonResult {
   RadianceVolume radiance;
   EnergyBalance balance;
+  std::vector<PassPart> parts; ///< in the order in which they ran
+  std::uint64_t sumsBytes = 0; ///< the most memory that the sums of the photons' light took, on whatever machine
 };
 
 /// Sends photons from every light through the medium and collects their fluence (docs/algorithms/photons.md).
