@@ -50,8 +50,8 @@ public:
         count, kPhotonsPerTask, mCtx,
         [&](std::int64_t begin, std::int64_t end, int slot) {
           mLanes.tracePhotons(
-              {mSetup.medium, frame, mSetup.rules, mSetup.scale, entry, cells.data() + begin, end - begin},
-              mSums[slot], far[begin / kPhotonsPerTask]);
+              {mSetup.medium, frame, mSetup.rules, mSetup.scale, entry, cells.data() + begin, end - begin}, mSums[slot],
+              far[begin / kPhotonsPerTask]);
         },
         "photons");
     if (mFar.waiting() > kMostFarChords) settleFarLight();
@@ -149,7 +149,8 @@ private:
   void forBricks(std::int64_t block, const Visit& visit) const {
     constexpr int kEdge = kBlockEdge / 8;
     const kernels::Int3 bricks = mSetup.medium.brickDims, blocks = blockDims(mSetup.medium.dims);
-    const auto z0 = static_cast<int>(block % blocks.z) * kEdge, y0 = static_cast<int>(block / blocks.z % blocks.y) * kEdge,
+    const auto z0 = static_cast<int>(block % blocks.z) * kEdge,
+               y0 = static_cast<int>(block / blocks.z % blocks.y) * kEdge,
                x0 = static_cast<int>(block / blocks.z / blocks.y) * kEdge;
     for (int x = x0; x < std::min(x0 + kEdge, bricks.x); ++x)
       for (int y = y0; y < std::min(y0 + kEdge, bricks.y); ++y)

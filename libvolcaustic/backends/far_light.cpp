@@ -13,9 +13,7 @@ constexpr std::int64_t kPiece = 4096; // chords that are sorted together
 } // namespace
 
 FarLight::FarLight(const kernels::Int3& dims, const LaneSet& lanes)
-    : mBlockDims(blockDims(dims))
-    , mLanes(lanes)
-    , mFirst(std::size_t(mBlockDims.x) * mBlockDims.y * mBlockDims.z + 1) {}
+    : mBlockDims(blockDims(dims)), mLanes(lanes), mFirst(std::size_t(mBlockDims.x) * mBlockDims.y * mBlockDims.z + 1) {}
 
 std::span<FarChords> FarLight::newTasks(std::int64_t count) { return mTasks.emplace_back(count); }
 

@@ -11,7 +11,8 @@ class FarLight {
 public:
   FarLight(const kernels::Int3& dims, const LaneSet& lanes);
 
-  /// Room for the chords of `count` tasks, in an order that does not depend on who runs them. Valid until the next call.
+  /// Room for the chords of `count` tasks, in an order that does not depend on who runs them. Valid until the next
+  /// call.
   [[nodiscard]] std::span<FarChords> newTasks(std::int64_t count);
   /// Chords of the tasks that are not sorted yet.
   [[nodiscard]] std::size_t waiting() const;

@@ -28,8 +28,8 @@ struct Float {
   Float() = default;
   VOLCAUSTIC_HD explicit Float(hn::Vec<FloatTag> v_) : v(v_) {}
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  VOLCAUSTIC_HD explicit Float(Number s) : v(hn::Set(FloatTag(), static_cast<float>(s))) {}
+  requires std::is_arithmetic_v<Number> VOLCAUSTIC_HD explicit Float(Number s)
+      : v(hn::Set(FloatTag(), static_cast<float>(s))) {}
   VOLCAUSTIC_HD Float operator-() const { return Float(hn::Neg(v)); }
   VOLCAUSTIC_HD friend Float operator+(Float a, Float b) { return Float(hn::Add(a.v, b.v)); }
   VOLCAUSTIC_HD friend Float operator-(Float a, Float b) { return Float(hn::Sub(a.v, b.v)); }
@@ -168,8 +168,8 @@ VOLCAUSTIC_HD inline kernels::FieldSample<Float> loadVoxel(const kernels::FieldV
 }
 
 #if HWY_TARGET == HWY_AVX2
-/// Lane numbers that bring the lanes of each 8-bit mask to the front. Highway 1.0's own table is a local constant, which
-/// g++ 12 copies to the stack on every call.
+/// Lane numbers that bring the lanes of each 8-bit mask to the front. Highway 1.0's own table is a local constant,
+/// which g++ 12 copies to the stack on every call.
 struct SqueezeOrders {
   alignas(32) std::int32_t of[256][8];
   constexpr SqueezeOrders() : of() {

@@ -59,8 +59,8 @@ public:
   // A register beyond the end may be written and read; its lanes are masked.
   alignas(64) float x[kCapacity + kLanes], y[kCapacity + kLanes], z[kCapacity + kLanes], dx[kCapacity + kLanes],
       dy[kCapacity + kLanes], dz[kCapacity + kLanes], length[kCapacity + kLanes];
-  /// What each chord adds to a voxel for each unit of length, in fixed-point units: RGB and 0, direction and 0. Then how
-  /// that changes along it, where the medium attenuates.
+  /// What each chord adds to a voxel for each unit of length, in fixed-point units: RGB and 0, direction and 0. Then
+  /// how that changes along it, where the medium attenuates.
   struct Rates {
     alignas(64) float power[kCapacity + kLanes][4], direction[kCapacity + kLanes][4];
   } rates, slopes;
@@ -182,8 +182,9 @@ private:
   void putAside(const ChordOf<Float>& c, const Mask& on) {
     constexpr int kNumbers = 13;
     alignas(64) float columns[kNumbers][kLanes];
-    const Float values[kNumbers] = {c.start.x, c.start.y, c.start.z, c.direction.x, c.direction.y, c.direction.z, c.length,
-                                    c.power.x, c.power.y, c.power.z, c.slope.x,     c.slope.y,     c.slope.z};
+    const Float values[kNumbers] = {c.start.x,     c.start.y, c.start.z, c.direction.x, c.direction.y,
+                                    c.direction.z, c.length,  c.power.x, c.power.y,     c.power.z,
+                                    c.slope.x,     c.slope.y, c.slope.z};
     const Squeeze squeeze(on);
     for (int i = 0; i < kNumbers; ++i) store(squeeze(values[i]), columns[i]);
     FarChord chords[kLanes];

@@ -86,15 +86,14 @@ const LaneSet& laneSet(std::string_view name) {
   for (const LaneSet& set : laneSets())
     if (set.name == name) return set;
   const bool known = name == "avx512" || name == "avx2";
-  throw Error(known ? ErrorKind::Device : ErrorKind::Usage,
-              "--device cpu:" + std::string(name) + ": " +
-                  (known ? "this processor does not have it" : "no such instruction set") + "; it has " +
-                  [] {
-                    std::string names;
-                    for (const LaneSet& set : laneSets())
-                      names += (names.empty() ? "" : ", ") + std::string(set.name);
-                    return names;
-                  }());
+  throw Error(
+      known ? ErrorKind::Device : ErrorKind::Usage,
+      "--device cpu:" + std::string(name) + ": " +
+          (known ? "this processor does not have it" : "no such instruction set") + "; it has " + [] {
+            std::string names;
+            for (const LaneSet& set : laneSets()) names += (names.empty() ? "" : ", ") + std::string(set.name);
+            return names;
+          }());
 }
 
 } // namespace volcaustic

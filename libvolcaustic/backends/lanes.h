@@ -20,13 +20,13 @@ struct CpuSums {
   PhotonTally tally;
 };
 
-/// A straight way through many voxels, in grid space: rasterised later, block by block, where it would be scattered over
-/// memory now.
+/// A straight way through many voxels, in grid space: rasterised later, block by block, where it would be scattered
+/// over memory now.
 struct FarChord {
   float start[3], direction[3];
   float length;
-  float power[3]; ///< mean over the length, W
-  float slope[3]; ///< its change, W/voxel; power holds at length/2
+  float power[3];   ///< mean over the length, W
+  float slope[3];   ///< its change, W/voxel; power holds at length/2
   float unused = 0; ///< lets lanes load any three numbers as four
 };
 

@@ -1,9 +1,9 @@
 // Where light bends: private sums of a worker, in 8x8x8 bricks that appear when touched.
 //
-// A voxel is eight 32-bit integers, half a cache line: powerLength RGB, 0, luminance-weighted direction, 0. Integers add
-// up to the same in any order, so neither the number of threads nor their timing changes a bit. When a sum comes near
-// the end of its range the voxel's sums are carried to 64-bit ones; that happens once in some thousand deposits, at the
-// brightest voxels only.
+// A voxel is eight 32-bit integers, half a cache line: powerLength RGB, 0, luminance-weighted direction, 0. Integers
+// add up to the same in any order, so neither the number of threads nor their timing changes a bit. When a sum comes
+// near the end of its range the voxel's sums are carried to 64-bit ones; that happens once in some thousand deposits,
+// at the brightest voxels only.
 #pragma once
 
 #include "backends/photon_tracer.h"

@@ -59,9 +59,10 @@ struct EmissionFrame {
     const auto column = static_cast<std::int32_t>(cell % columns), row = static_cast<std::int32_t>(cell / columns);
     return powerOf(column, row, column + 1, row + 1);
   }
-  /// Power of the cells in [column0, column1) x [row0, row1): irradiance times area, or intensity times solid angle (van
-  /// Oosterom and Strackee's formula for a rectangle, as a difference of corner terms).
-  VOLCAUSTIC_HD Double3 powerOf(std::int32_t column0, std::int32_t row0, std::int32_t column1, std::int32_t row1) const {
+  /// Power of the cells in [column0, column1) x [row0, row1): irradiance times area, or intensity times solid angle
+  /// (van Oosterom and Strackee's formula for a rectangle, as a difference of corner terms).
+  VOLCAUSTIC_HD Double3 powerOf(std::int32_t column0, std::int32_t row0, std::int32_t column1,
+                                std::int32_t row1) const {
     if (!point) return strength * (static_cast<double>(column1 - column0) * (row1 - row0));
     const double ua = u0 + column0 * du, va = v0 + row0 * dv, ub = u0 + column1 * du, vb = v0 + row1 * dv;
     const auto corner = [](double u, double v) { return std::atan2(u * v, std::sqrt(1 + u * u + v * v)); };

@@ -2,7 +2,8 @@
 // bricks where something varies.
 //
 //   table (z fastest)          entry e of a brick                   voxels
-//   fieldSlots                 e > 0: slot                          fields + 729 e: n and grad n at 9x9x9 voxel centres,
+//   fieldSlots                 e > 0: slot                          fields + 729 e: n and grad n at 9x9x9 voxel
+//   centres,
 //                              0: n is one value, its gradient 0      the brick's 8x8x8 and one more layer on the high
 //                                                                     sides, so a trilinear lookup touches one brick
 //   indexOffsets               n - ambientIndex where fieldSlots is 0
@@ -12,8 +13,8 @@
 //                              over
 //   bends                      1 when any voxel's step byte has kStepBendsBit
 //
-// Zero is the ambient medium in every table: pages of a table that nothing was written to cost no memory. Slots begin at
-// 1; slot 0 of each voxel array is the ambient medium too, so that lanes need no mask to read it.
+// Zero is the ambient medium in every table: pages of a table that nothing was written to cost no memory. Slots begin
+// at 1; slot 0 of each voxel array is the ambient medium too, so that lanes need no mask to read it.
 //
 // Grid space: voxel (i, j, k) is the cube [i, i+1] x [j, j+1] x [k, k+1], its centre at +1/2; gradients are per voxel.
 #pragma once
@@ -112,7 +113,8 @@ VOLCAUSTIC_HD inline FieldVoxel mix(const FieldVoxel& a, const FieldVoxel& b, fl
   return {a.n + t * (b.n - a.n), a.gx + t * (b.gx - a.gx), a.gy + t * (b.gy - a.gy), a.gz + t * (b.gz - a.gz)};
 }
 
-/// Trilinear mean of the eight field voxels from `offset` on, z fastest. One number at a time here; lanes have their own.
+/// Trilinear mean of the eight field voxels from `offset` on, z fastest. One number at a time here; lanes have their
+/// own.
 VOLCAUSTIC_HD inline FieldSample<float> mixCell(const FieldVoxel* fields, std::int32_t offset, const Float3& t) {
   constexpr int kX = kFieldEdge * kFieldEdge, kY = kFieldEdge;
   const FieldVoxel* c = fields + offset;

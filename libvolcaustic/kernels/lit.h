@@ -5,14 +5,15 @@
 
 namespace volcaustic::kernels {
 
-/// A raster as one voxel sees it: positions relative to the voxel's centre, distances relative to it too, so that single
-/// precision does.
+/// A raster as one voxel sees it: positions relative to the voxel's centre, distances relative to it too, so that
+/// single precision does.
 struct LitView {
   Float3 axisU, axisV, axisW;
-  Float3 towards;         ///< point light: unit vector from the light to the centre
-  float distance;         ///< point light: from the light to the centre
-  float u0, v0, du, dv;   ///< middle of the footprint's first cell, and the size of a cell; parallel light: from the centre
-  float shift;            ///< what to add to an entry of the map to get a distance from the centre
+  Float3 towards; ///< point light: unit vector from the light to the centre
+  float distance; ///< point light: from the light to the centre
+  float u0, v0, du,
+      dv;      ///< middle of the footprint's first cell, and the size of a cell; parallel light: from the centre
+  float shift; ///< what to add to an entry of the map to get a distance from the centre
   std::int32_t columns;   ///< of the footprint
   std::int32_t cells;     ///< in the footprint
   std::int32_t first;     ///< number of its first cell in the map
@@ -20,7 +21,8 @@ struct LitView {
   bool point;
 };
 
-/// Lengths inside the voxel of the ray through cell `i` of the footprint: all of it, and the part before its first bend.
+/// Lengths inside the voxel of the ray through cell `i` of the footprint: all of it, and the part before its first
+/// bend.
 template <class F>
 struct LitLengths {
   F all, lit;

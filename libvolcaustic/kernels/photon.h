@@ -72,8 +72,8 @@ VOLCAUSTIC_HD inline Vec3<F> gatherRgb(const float* base, const IntOf<F>& index)
 inline constexpr float kPartDepth = 0.1f;
 inline constexpr std::int32_t kMostParts = 256;
 
-/// Emits the chord a, a + length * direction of a photon with the power `first` at a through deposit(ChordOf<F>, MaskOf<F>), in
-/// parts; returns the power at its end.
+/// Emits the chord a, a + length * direction of a photon with the power `first` at a through deposit(ChordOf<F>,
+/// MaskOf<F>), in parts; returns the power at its end.
 template <class F, class Deposit>
 VOLCAUSTIC_HD inline Vec3<F> depositDecaying(const Vec3<F>& a, const Vec3<F>& direction, F length, const Vec3<F>& first,
                                              const Vec3<F>& attenuation, const MaskOf<F>& active,
@@ -244,8 +244,9 @@ struct PhotonBody {
     Outcome end = Outcome::CutOff;
     while (true) {
       const StepOutcome<float> step =
-          stepPhoton(medium, rules, photon, true,
-                     [&](const ChordOf<float>& chord, bool on) { if (on) depositChord(sink, medium, chord); });
+          stepPhoton(medium, rules, photon, true, [&](const ChordOf<float>& chord, bool on) {
+            if (on) depositChord(sink, medium, chord);
+          });
       if (step.notFinite) {
         sink.count(Counter::NotFinite, 1);
         break;

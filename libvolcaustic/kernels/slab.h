@@ -1,8 +1,9 @@
-// Exact rasterisation of a chord, slab by slab: the voxels that a straight segment crosses, and the lengths inside them.
+// Exact rasterisation of a chord, slab by slab: the voxels that a straight segment crosses, and the lengths inside
+// them.
 //
-// Cut into slabs of one voxel across its dominant axis w, a chord crosses at most one face of each other axis in a slab,
-// so at most three voxels. A slab is a fixed piece of arithmetic without a loop that depends on another one: lanes take
-// sixteen chords at once, or sixteen slabs of one chord, and a thread of a GPU takes them one by one.
+// Cut into slabs of one voxel across its dominant axis w, a chord crosses at most one face of each other axis in a
+// slab, so at most three voxels. A slab is a fixed piece of arithmetic without a loop that depends on another one:
+// lanes take sixteen chords at once, or sixteen slabs of one chord, and a thread of a GPU takes them one by one.
 #pragma once
 
 #include "kernels/flat_medium.h"
@@ -69,8 +70,8 @@ struct DenseCells {
   }
 };
 
-/// A chord from `start` along the unit vector `direction` through cells of edge 1, its axes sorted into w (dominant), u,
-/// v. What lies outside the cells is counted to the outermost ones.
+/// A chord from `start` along the unit vector `direction` through cells of edge 1, its axes sorted into w (dominant),
+/// u, v. What lies outside the cells is counted to the outermost ones.
 template <class F, class Cells>
 class SlabChord {
 public:
@@ -125,8 +126,8 @@ public:
 private:
   VOLCAUSTIC_HD static I cell(F p, I last) { return clampTo(toInt(p), I(0), last); }
 
-  /// Cells at both ends of [in, out] along an axis, and where between them the chord passes from one to the other (`out`
-  /// when it does not).
+  /// Cells at both ends of [in, out] along an axis, and where between them the chord passes from one to the other
+  /// (`out` when it does not).
   VOLCAUSTIC_HD static F across(F start, F d, F inverse, I last, F in, F out, I& from, I& to) {
     from = cell(mulAdd(d, in, start), last);
     to = clampTo(cell(mulAdd(d, out, start), last), from - I(1), from + I(1));

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-/// Marks what both machines compile. Where a file is compiled for one instruction set of the CPU, everything is inlined:
-/// a shared copy made there would be picked by the linker for the whole program (backends/lanes.h).
+/// Marks what both machines compile. Where a file is compiled for one instruction set of the CPU, everything is
+/// inlined: a shared copy made there would be picked by the linker for the whole program (backends/lanes.h).
 #if defined(__CUDACC__)
 #define VOLCAUSTIC_HD __host__ __device__
 #elif defined(VOLCAUSTIC_INSTRUCTION_SET)

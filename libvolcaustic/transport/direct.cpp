@@ -128,8 +128,9 @@ private:
     const Double3 r = Double3(v) + Double3(0.5) - mFrame.origin;
     const double depth = dot(r, mFrame.axisW), distance = mFrame.point ? kernels::length(r) : depth;
     const auto single = [](const Double3& a) { return kernels::Float3(a); };
-    kernels::LitView view{single(mFrame.axisU), single(mFrame.axisV), single(mFrame.axisW), {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-                          mFrame.point};
+    kernels::LitView view{
+        single(mFrame.axisU), single(mFrame.axisV), single(mFrame.axisW), {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+        mFrame.point};
     if (mFrame.point) {
       view.towards = single(r * (1 / distance));
       view.distance = static_cast<float>(distance);

@@ -15,8 +15,8 @@ namespace volcaustic {
 struct DirectLight {
   BrickGrid<Vec3f> fluence;
   BrickGrid<Vec3f> direction;
-  /// Of each brick: kEdge where some raster lights a part of it, else a number for which rasters light it. Empty without
-  /// lights.
+  /// Of each brick: kEdge where some raster lights a part of it, else a number for which rasters light it. Empty
+  /// without lights.
   std::vector<std::uint64_t> covers;
   static constexpr std::uint64_t kEdge = ~std::uint64_t{0};
 };

@@ -9,9 +9,9 @@
 #include "transport/march_rules.h"
 #include "transport/passes.h"
 #include "transport/reach.h"
-#include "volcaustic/error.h"
 #include "transport/smooth.h"
 #include "transport/tracers.h"
+#include "volcaustic/error.h"
 #include "volume/radiance_bricks.h"
 
 #include <algorithm>
@@ -61,7 +61,8 @@ public:
       , mFrames(allFrames())
       , mScale(fixedPoint(mFrames))
       , mTracer(makeTracer({flat.view(), rules(), mScale}, tracerContext(), std::move(state)))
-      , mDirect{BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), {}} {}
+      , mDirect{
+            BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), {}} {}
 
   PhotonResult run() {
     for (std::size_t i = 0; i < mFrames.size(); ++i) traceFrame(static_cast<int>(i));
@@ -96,7 +97,8 @@ private:
       timed("emission", [&] { mTracer->emit(frame, reach.view(), rows, entry.data()); });
       timed("photons", [&] { mTracer->trace(frame, rows, entry.data()); });
     }
-    timed("direct light", [&] { addDirectLight(mDirect, mFlat, mMedium.domain(), mLights[light], frame, entry, mCtx); });
+    timed("direct light",
+          [&] { addDirectLight(mDirect, mFlat, mMedium.domain(), mLights[light], frame, entry, mCtx); });
   }
 
   /// The caller's, with progress over all rasters and strips.
@@ -137,33 +139,39 @@ private:
   /// medium takes of that light, W.
   Rgb merge(BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) {
     const std::vector<BlockOfBricks> blocks = touchedBlocks(caustic);
-    std::vector<std::int64_t> bricks;
-    for (const BlockOfBricks& b : blocks) bricks.insert(bricks.end(), b.bricks.begin(), b.bricks.end());
-    mCtx.requireMemory(bricks.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: caustic light");
-    caustic.activate(bricks, Fill::Later);
-    direction.activate(bricks, Fill::Later);
-
-    std::vector<Rgb> losses(blocks.size());
-    std::vector<char> dark(caustic.brickCount());
-    parallelFor(static_cast<std::int64_t>(blocks.size()), 1, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      BlockSums sums;
-      for (std::int64_t i = begin; i < end; ++i) {
-        sums.clear();
-        mTracer->addBlock(blocks[i].number, sums);
-        for (const std::int64_t brick : blocks[i].bricks)
-          dark[brick] = !mergeBrick(brick, sums, caustic, direction, losses[i]);
-      }
-    });
-    for (const std::int64_t b : bricks)
-      if (dark[b]) {
-        caustic.release(b);
-        direction.release(b);
-      }
+    // Some blocks at a time: what bricks of a block are lit is known when its sums are.
+    const auto group = std::max<std::int64_t>(64, std::int64_t{16} * threadCount(mCtx));
+    std::vector<BrickLight, UninitialisedAllocator<BrickLight>> found(group * kBlockBricks);
+    std::vector<char> lit(found.size());
     Rgb loss{0, 0, 0};
-    for (const Rgb& l : losses)
-      for (int c = 0; c < 3; ++c) loss[c] += l[c];
+    for (std::int64_t first = 0; first < static_cast<std::int64_t>(blocks.size()); first += group) {
+      const std::int64_t count = std::min(group, static_cast<std::int64_t>(blocks.size()) - first);
+      std::vector<Rgb> losses(count);
+      std::fill(lit.begin(), lit.end(), 0);
+      parallelFor(count, 1, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+        BlockSums sums;
+        for (std::int64_t i = begin; i < end; ++i) {
+          const BlockOfBricks& block = blocks[first + i];
+          sums.clear();
+          mTracer->addBlock(block.number, sums);
+          for (std::size_t k = 0; k < block.bricks.size(); ++k) {
+            const std::size_t at = i * kBlockBricks + k;
+            lit[at] = mergeBrick(caustic.brickCoord(block.bricks[k]), sums, found[at], losses[i]);
+          }
+        }
+      });
+      for (const Rgb& l : losses)
+        for (int c = 0; c < 3; ++c) loss[c] += l[c];
+      storeLit(std::span(blocks).subspan(first, count), found, lit, caustic, direction);
+    }
     return loss;
   }
+
+  /// Light and its direction sums in a brick.
+  struct BrickLight {
+    std::array<Vec3f, kBrickVoxels> light, towards;
+  };
+  static constexpr std::int64_t kBlockBricks = kBlockVoxels / kBrickVoxels;
 
   struct BlockOfBricks {
     std::int64_t number;
@@ -190,14 +198,33 @@ private:
     return blocks;
   }
 
-  /// Writes one brick; false when it holds no light.
-  bool mergeBrick(std::int64_t brick, const BlockSums& sums, BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction,
-                  Rgb& loss) const {
+  /// Gives the bricks with light their voxels in the grids.
+  void storeLit(std::span<const BlockOfBricks> blocks, std::span<const BrickLight> found, std::span<const char> lit,
+                BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) const {
+    std::vector<std::int64_t> bricks, from;
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      for (std::size_t k = 0; k < blocks[i].bricks.size(); ++k)
+        if (const std::size_t at = i * kBlockBricks + k; lit[at]) {
+          bricks.push_back(blocks[i].bricks[k]);
+          from.push_back(static_cast<std::int64_t>(at));
+        }
+    mCtx.requireMemory((caustic.activeBrickCount() + bricks.size()) * sizeof(BrickLight), "photons: caustic light");
+    caustic.activate(bricks, Fill::Later);
+    direction.activate(bricks, Fill::Later);
+    parallelFor(static_cast<std::int64_t>(bricks.size()), 32, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        const BrickLight& b = found[from[i]];
+        std::copy(b.light.begin(), b.light.end(), caustic.voxels(bricks[i]).begin());
+        std::copy(b.towards.begin(), b.towards.end(), direction.voxels(bricks[i]).begin());
+      }
+    });
+  }
+
+  /// Fluence of one brick, and what the medium takes of it; false when it holds no light.
+  bool mergeBrick(const Vec3i& c, const BlockSums& sums, BrickLight& out, Rgb& loss) const {
     // Sums are W*voxel; fluence is their world length over the voxel's volume. Attenuation is in 1/voxel: its part of
     // W*voxel is W.
     const double h = mMedium.domain().voxelSize, watts = 1 / mScale.deposit, unit = watts / (h * h);
-    const Vec3i c = caustic.brickCoord(brick);
-    const auto light = caustic.voxels(brick), towards = direction.voxels(brick);
     const kernels::FlatMedium flat = mFlat.view();
     bool lit = false;
     const std::int32_t* low = sums.lowOnly();
@@ -207,8 +234,8 @@ private:
       const std::int32_t* l = low + std::size_t(voxel) * 8;
       const VoxelSums s = low ? VoxelSums{l[0], l[1], l[2], l[4], l[5], l[6]} : sums.at(voxel);
       for (int i = 0; i < 3; ++i) {
-        light[k][i] = static_cast<float>(static_cast<double>(s[i]) * unit);
-        towards[k][i] = static_cast<float>(static_cast<double>(s[3 + i]) * unit);
+        out.light[k][i] = static_cast<float>(static_cast<double>(s[i]) * unit);
+        out.towards[k][i] = static_cast<float>(static_cast<double>(s[3 + i]) * unit);
       }
       if ((s[0] | s[1] | s[2]) == 0) continue;
       lit = true;

@@ -106,7 +106,13 @@ void smoothSome(BrickGrid<Vec3f>& field, std::span<const std::int64_t> bricks, c
   for (const std::int64_t b : bricks)
     if (field.isConstant(b)) fresh.push_back(b);
   ctx.requireMemory((fresh.size() + bricks.size()) * kBrickVoxels * sizeof(Vec3f), "photons: smoothing");
-  field.activate(fresh);
+  field.activate(fresh, Fill::Later);
+  parallelFor(static_cast<std::int64_t>(fresh.size()), 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const auto voxels = field.voxels(fresh[i]);
+      std::fill(voxels.begin(), voxels.end(), field.constant(fresh[i]));
+    }
+  });
   using Brick = std::array<Vec3f, kBrickVoxels>;
   std::vector<Brick, UninitialisedAllocator<Brick>> results(bricks.size());
   const LaneSet& lanes = laneSet("");

@@ -206,7 +206,8 @@ private:
       bytes[b] = stepByte(mSteps->tree().getValue(coordOf(b)), bends);
       ++frequency[bytes[b]];
     }
-    mOut.ambientStep = static_cast<std::int32_t>(std::max_element(frequency.begin(), frequency.end()) - frequency.begin());
+    mOut.ambientStep =
+        static_cast<std::int32_t>(std::max_element(frequency.begin(), frequency.end()) - frequency.begin());
     for (std::int64_t b = 0; b < count; ++b)
       if (bytes[b] >= 0 && bytes[b] != mOut.ambientStep) mOut.stepSlots[b] = ~std::int32_t{bytes[b]};
 
