@@ -92,12 +92,6 @@ public:
       mVoxels.resize(mVoxels.size() + kBrickVoxels);
     }
   }
-  /// Makes the brick one value again, the background. Its memory stays taken until the grid goes.
-  void release(std::int64_t brick) {
-    mSlots[brick] = kConstant;
-    mValues[brick] = mBackground;
-  }
-
   /// Value at a voxel of the domain.
   [[nodiscard]] const T& at(int x, int y, int z) const {
     const std::int64_t brick = brickIndex({x >> 3, y >> 3, z >> 3});

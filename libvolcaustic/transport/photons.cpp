@@ -208,7 +208,9 @@ private:
           bricks.push_back(blocks[i].bricks[k]);
           from.push_back(static_cast<std::int64_t>(at));
         }
-    mCtx.requireMemory((caustic.activeBrickCount() + bricks.size()) * sizeof(BrickLight), "photons: caustic light");
+    mCtx.requireMemory((caustic.activeBrickCount() + bricks.size()) * sizeof(BrickLight) +
+                           mDirect.fluence.memoryBytes() + mDirect.direction.memoryBytes(),
+                       "photons: caustic light");
     caustic.activate(bricks, Fill::Later);
     direction.activate(bricks, Fill::Later);
     parallelFor(static_cast<std::int64_t>(bricks.size()), 32, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
@@ -258,6 +260,10 @@ private:
     const std::uint64_t sumsBytes = mTracer->peakBytes();
     mTracer.reset();
 
+    // All that is held from here on at once: these four, the mean direction, and one grid more while it is smoothed.
+    mCtx.requireMemory(3 * bricks->caustic.memoryBytes() + causticDirection.memoryBytes() +
+                           2 * mDirect.fluence.memoryBytes() + mDirect.direction.memoryBytes(),
+                       "photons: light volumes");
     if (mOptions.smooth)
       timed("smoothing", [&] {
         bricks->caustic = smoothed(bricks->caustic, mCtx);
