@@ -215,6 +215,16 @@ private:
   int mCount;
 };
 
+/// Registers from memory and back, at any address.
+VOLCAUSTIC_HD inline Float load(const float* p) { return Float(hn::LoadU(FloatTag(), p)); }
+VOLCAUSTIC_HD inline Int load(const std::int32_t* p) { return Int(hn::LoadU(IntTag(), p)); }
+VOLCAUSTIC_HD inline void store(Float v, float* p) { hn::StoreU(v.v, FloatTag(), p); }
+VOLCAUSTIC_HD inline void store(Int v, std::int32_t* p) { hn::StoreU(v.v, IntTag(), p); }
+VOLCAUSTIC_HD inline kernels::Vec3<Float> load3(const float* x, const float* y, const float* z) {
+  return {load(x), load(y), load(z)};
+}
+VOLCAUSTIC_HD inline Mask firstLanes(int n) { return {hn::FirstN(FloatTag(), static_cast<std::size_t>(n))}; }
+
 } // namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET
 
 namespace volcaustic::kernels {

@@ -9,7 +9,7 @@
 
 namespace volcaustic {
 
-// One for each instruction set that lane_bodies.cpp is compiled for.
+// One for each instruction set that lane_*.cpp are compiled for.
 #define VOLCAUSTIC_LANE_FUNCTIONS(name)                                                                                \
   namespace name {                                                                                                     \
   void tracePhotons(const PhotonTask& task, CpuSums& sums, FarChords& far);                                            \

@@ -1,8 +1,9 @@
 // The instruction sets that photons run on, on this machine's cores.
 //
-// lane_bodies.cpp is compiled once for each of them; which one runs is chosen at run time. Such a file must not leave
-// shared copies of functions behind: the linker might pick one for the whole program, and an older processor would stop
-// at it. So all that it includes is inlined (VOLCAUSTIC_HD), and a test looks at the object files' symbols.
+// lane_photons.cpp and lane_blocks.cpp are compiled once for each of them; which one runs is chosen at run time. Such a
+// file must not leave shared copies of functions behind: the linker might pick one for the whole program, and an older
+// processor would stop at it. So all that it includes is inlined (VOLCAUSTIC_HD), and a test looks at the object files'
+// symbols.
 #pragma once
 
 #include "backends/light_bricks.h"
