@@ -8,7 +8,7 @@ namespace volcaustic {
 
 namespace {
 
-constexpr std::size_t kBytes = std::size_t{kBlockVoxels} * 8 * sizeof(std::int32_t);
+constexpr std::size_t kBytes = std::size_t{kSumsVoxels} * 8 * sizeof(std::int32_t);
 constexpr std::int32_t kHalfRange = 1 << 29;
 
 } // namespace
@@ -24,7 +24,7 @@ bool addWithinRange(std::int32_t* low, const VoxelSums& sums) {
   return true;
 }
 
-BlockSums::BlockSums() : mLow(static_cast<std::int32_t*>(std::aligned_alloc(64, kBytes))) {
+BlockSums::BlockSums() : mLow(static_cast<std::int32_t*>(std::aligned_alloc(64, (kBytes + 63) / 64 * 64))) {
   if (!mLow) throw std::bad_alloc();
 }
 
@@ -34,7 +34,7 @@ void BlockSums::clear() {
 }
 
 void BlockSums::carry() {
-  for (int v = 0; v < kBlockVoxels; ++v) {
+  for (int v = 0; v < kSumsVoxels; ++v) {
     const std::int32_t* s = &mLow[std::size_t(v) * 8];
     std::uint32_t beyond = 0;
     for (int c = 0; c < 8; ++c) beyond |= static_cast<std::uint32_t>(s[c]) + kHalfRange;
@@ -56,6 +56,20 @@ void BlockSums::add(int voxel, const VoxelSums& sums) {
   if (addWithinRange(&mLow[std::size_t(voxel) * 8], sums)) return;
   VoxelSums& high = mHigh[voxel];
   for (int c = 0; c < kSums; ++c) high[c] += sums[c];
+}
+
+std::vector<kernels::CarriedSums> BlockSums::carried() const {
+  std::vector<kernels::CarriedSums> all;
+  all.reserve(mHigh.size());
+  for (const auto& [voxel, high] : mHigh) {
+    kernels::CarriedSums c{voxel, {}};
+    for (int i = 0; i < 3; ++i) {
+      c.sums[i] = static_cast<float>(high[i]);
+      c.sums[4 + i] = static_cast<float>(high[3 + i]);
+    }
+    all.push_back(c);
+  }
+  return all;
 }
 
 VoxelSums BlockSums::at(int voxel) const {

@@ -1,6 +1,6 @@
 // Photons on this machine's cores: oneTBB over tiles of the raster, lanes inside.
 
-#include "backends/cpu_sink.h"
+#include "backends/cpu_emission.h"
 #include "backends/far_light.h"
 #include "core/parallel.h"
 
@@ -12,7 +12,6 @@ namespace {
 
 using kernels::EmissionFrame;
 using kernels::kReachTile;
-using kernels::Outcome;
 
 constexpr std::int64_t kPhotonsPerTask = 2048;
 constexpr std::size_t kMostFarChords = 1 << 22; // 224 MiB; beyond, they are rasterised before the next trace
@@ -26,20 +25,7 @@ public:
   }
 
   void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, float* entry) override {
-    const std::int64_t first = rows.begin / kReachTile, last = (rows.end + kReachTile - 1) / kReachTile;
-    parallelFor(last - first, 1, mCtx, [&](std::int64_t begin, std::int64_t end, int slot) {
-      CpuSink sink(mSums[slot], mSetup.scale);
-      const kernels::EmissionBody<CpuSink> body{mSetup.medium, frame, reach, entry};
-      for (std::int64_t t = begin; t < end; ++t)
-        for (std::int32_t column = 0; column < frame.columns; column += kReachTile) {
-          const auto row = static_cast<std::int32_t>((first + t) * kReachTile);
-          const Block block{std::max(row, rows.begin), std::min(row + kReachTile, rows.end), column,
-                            std::min(column + kReachTile, frame.columns)};
-          if (reach.nearest[(first + t) * reach.columns + column / kReachTile] < kernels::kNeverBends ||
-              !emitStraight(frame, block, entry, sink))
-            block.forEachCell(frame, [&](std::int64_t cell) { body(cell, sink); });
-        }
-    });
+    emitOnCpu(mSetup, mLanes, mCtx, frame, reach, rows, entry, mSums);
   }
 
   void trace(const EmissionFrame& frame, RowRange rows, const float* entry) override {
@@ -61,21 +47,20 @@ public:
 
   [[nodiscard]] bool touched(std::int64_t block) const override {
     bool light = mFar.touched(block);
-    forBricks(block, [&](std::int64_t brick, int) {
+    forBricksInSums(mSetup.medium.brickDims, cornerOf(block), [&](std::int64_t brick, const kernels::Int3&) {
       for (const CpuSums& s : mSums) light = light || s.bricks.touched(brick);
     });
     return light;
   }
   void addBlock(std::int64_t block, BlockSums& sums) const override {
-    mFarCrossed += mFar.addTo(block, static_cast<float>(mSetup.scale.deposit), sums);
-    forBricks(block, [&](std::int64_t brick, int corner) {
+    mFar.addTo(block, static_cast<float>(mSetup.scale.deposit), sums);
+    forBricksInSums(mSetup.medium.brickDims, cornerOf(block), [&](std::int64_t brick, const kernels::Int3& corner) {
       for (const CpuSums& s : mSums) s.bricks.addTo(brick, sums, corner);
     });
   }
   [[nodiscard]] PhotonTally tally() const override {
     PhotonTally total;
     for (const CpuSums& s : mSums) total += s.tally;
-    total.counts[static_cast<int>(kernels::Counter::VoxelsCrossed)] += mFarCrossed;
     return total;
   }
   [[nodiscard]] std::uint64_t peakBytes() const override { return mBudget.used + mFar.bytes(); }
@@ -85,31 +70,12 @@ private:
   struct Block {
     std::int32_t row0, row1, column0, column1;
 
-    [[nodiscard]] std::int64_t cells() const { return std::int64_t{row1 - row0} * (column1 - column0); }
     template <class Visit>
     void forEachCell(const EmissionFrame& frame, const Visit& visit) const {
       for (std::int32_t r = row0; r < row1; ++r)
         for (std::int32_t c = column0; c < column1; ++c) visit(std::int64_t{r} * frame.columns + c);
     }
   };
-
-  /// Books a block whose light meets no bend as a whole: where the medium around is clear, and the block's corners see
-  /// the box. What sees a convex box is convex, so all cells between do. False when it has to be done cell by cell.
-  bool emitStraight(const EmissionFrame& frame, const Block& block, float* entry, CpuSink& sink) const {
-    if (kernels::maxComponent(mSetup.medium.optics[0].attenuation) > 0) return false;
-    for (const std::int32_t r : {block.row0, block.row1})
-      for (const std::int32_t c : {block.column0, block.column1}) {
-        const kernels::EmissionRay ray = frame.rayAt(c, r);
-        const kernels::Span span = kernels::clipToBox(mSetup.medium.dims, ray.origin, ray.direction);
-        if (!(span.exit > (frame.point ? std::max(span.entry, 0.0) : span.entry))) return false;
-      }
-    block.forEachCell(frame, [&](std::int64_t cell) { entry[cell] = kernels::kNeverBends; });
-    const kernels::Double3 power = frame.powerOf(block.column0, block.row0, block.column1, block.row1);
-    sink.tally(Outcome::Emitted, power);
-    sink.tally(Outcome::Escaped, power);
-    sink.count(kernels::Counter::Emitted, block.cells());
-    return true;
-  }
 
   /// Cells with a bend, tile by tile: neighbours in the list are neighbours in the raster, so the photons of a register
   /// go through the same bricks.
@@ -144,18 +110,8 @@ private:
     return cells;
   }
 
-  /// Calls visit(brick, number of its first voxel in the block) for the block's bricks inside the domain.
-  template <class Visit>
-  void forBricks(std::int64_t block, const Visit& visit) const {
-    constexpr int kEdge = kBlockEdge / 8;
-    const kernels::Int3 bricks = mSetup.medium.brickDims, blocks = blockDims(mSetup.medium.dims);
-    const auto z0 = static_cast<int>(block % blocks.z) * kEdge,
-               y0 = static_cast<int>(block / blocks.z % blocks.y) * kEdge,
-               x0 = static_cast<int>(block / blocks.z / blocks.y) * kEdge;
-    for (int x = x0; x < std::min(x0 + kEdge, bricks.x); ++x)
-      for (int y = y0; y < std::min(y0 + kEdge, bricks.y); ++y)
-        for (int z = z0; z < std::min(z0 + kEdge, bricks.z); ++z)
-          visit((std::int64_t{x} * bricks.y + y) * bricks.z + z, blockOffset(8 * x, 8 * y, 8 * z));
+  [[nodiscard]] kernels::Int3 cornerOf(std::int64_t block) const {
+    return blockCorner(blockDims(mSetup.medium.dims), block);
   }
 
   /// Rasterises the far chords so far into the workers' bricks, which takes their memory back.
@@ -166,8 +122,11 @@ private:
       for (std::int64_t block = begin; block < end; ++block) {
         if (!mFar.touched(block)) continue;
         sums.clear();
-        mFarCrossed += mFar.addTo(block, static_cast<float>(mSetup.scale.deposit), sums);
-        forBricks(block, [&](std::int64_t brick, int corner) { mSums[slot].bricks.add(brick, sums, corner); });
+        mFar.addTo(block, static_cast<float>(mSetup.scale.deposit), sums);
+        forBricksInSums(mSetup.medium.brickDims, cornerOf(block), [&](std::int64_t brick, const kernels::Int3& corner) {
+          const auto inBlock = [](std::int32_t c) { return c >= 0 && c < kBlockEdge; };
+          if (inBlock(corner.x) && inBlock(corner.y) && inBlock(corner.z)) mSums[slot].bricks.add(brick, sums, corner);
+        });
       }
     });
     mFar.clear();
@@ -179,7 +138,6 @@ private:
   MemoryBudget mBudget;
   std::vector<CpuSums> mSums;
   FarLight mFar;
-  mutable std::atomic<std::int64_t> mFarCrossed{0};
 };
 
 } // namespace

@@ -114,12 +114,12 @@ public:
     return any;
   }
   void addBlock(std::int64_t block, BlockSums& sums) const {
-    forEachBrick(block, [&](const DeviceSum* brick, const kernels::Int3& origin) {
-      for (int k = 0; k < kernels::kStepVoxels; ++k) {
-        VoxelSums voxel;
-        for (int c = 0; c < kSums; ++c) voxel[c] = static_cast<std::int64_t>(brick[k * kSums + c]);
-        sums.add(blockOffset(origin.x + (k >> 6), origin.y + (k >> 3 & 7), origin.z + (k & 7)), voxel);
-      }
+    forEachBrick(block, [&](const DeviceSum* brick, const kernels::Int3& corner) {
+      forVoxelsInSums(corner, [&](int k, int voxel) {
+        VoxelSums s;
+        for (int c = 0; c < kSums; ++c) s[c] = static_cast<std::int64_t>(brick[k * kSums + c]);
+        sums.add(voxel, s);
+      });
     });
   }
   [[nodiscard]] PhotonTally tally() const {
@@ -142,21 +142,14 @@ private:
     const std::uint64_t slots = std::min<std::uint64_t>(static_cast<std::uint64_t>(bricks), bytes / kSlotBytes);
     return static_cast<int>(std::min<std::uint64_t>(slots, 0x7fffffff));
   }
-  /// Calls visit(sums, first voxel) for the bricks of a block that have light.
+  /// Calls visit(sums, first voxel relative to the block's) for the bricks in and around a block that have light.
   template <class Visit>
   void forEachBrick(std::int64_t block, const Visit& visit) const {
     if (mHostSlots.empty()) return;
-    constexpr int kEdge = kBlockEdge / 8; // bricks
-    const std::int64_t x0 = block / (std::int64_t{mBlockDims.y} * mBlockDims.z) * kEdge,
-                       y0 = block / mBlockDims.z % mBlockDims.y * kEdge, z0 = block % mBlockDims.z * kEdge;
-    for (std::int64_t x = x0; x < std::min<std::int64_t>(x0 + kEdge, mBrickDims.x); ++x)
-      for (std::int64_t y = y0; y < std::min<std::int64_t>(y0 + kEdge, mBrickDims.y); ++y)
-        for (std::int64_t z = z0; z < std::min<std::int64_t>(z0 + kEdge, mBrickDims.z); ++z) {
-          const int slot = mHostSlots[(x * mBrickDims.y + y) * mBrickDims.z + z];
-          if (slot >= 0)
-            visit(mHostSums.get() + std::int64_t{slot} * kSlotSums,
-                  kernels::Int3(static_cast<int>(8 * x), static_cast<int>(8 * y), static_cast<int>(8 * z)));
-        }
+    forBricksInSums(mBrickDims, blockCorner(mBlockDims, block), [&](std::int64_t brick, const kernels::Int3& corner) {
+      if (const int slot = mHostSlots[brick]; slot >= 0)
+        visit(mHostSums.get() + std::int64_t{slot} * kSlotSums, corner);
+    });
   }
   [[nodiscard]] std::uint64_t poolMiB() const { return (kSlotBytes * static_cast<std::uint64_t>(mCapacity)) >> 20; }
 

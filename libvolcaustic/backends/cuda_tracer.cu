@@ -120,6 +120,7 @@ public:
     EmissionBody<DeviceSink> body{};
     body.medium = mMedium.view();
     body.frame = frame;
+    body.view = kernels::rasterView(frame);
     body.reach = {reach.columns, reach.rows, nearest.data(), farthest.data()};
     body.entry = mEntry.data();
     forEachLaunch(frame, rows, {}, [&](RowRange part) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backends/lanes.h"
+#include "core/large_memory.h"
 
 #include <deque>
 
@@ -19,20 +20,24 @@ public:
   /// Sorts all chords by block. \throws Error(Input) beyond the memory limit.
   void sort(const RunContext& ctx);
 
+  /// Whether there may be light in the block or in the voxels around it; after sort().
   [[nodiscard]] bool touched(std::int64_t block) const { return mFirst[block] < mFirst[block + 1]; }
-  /// Adds the light inside the block; returns the voxels crossed. After sort().
-  std::int64_t addTo(std::int64_t block, float scale, BlockSums& sums) const;
+  /// Adds that light.
+  void addTo(std::int64_t block, float scale, BlockSums& sums) const;
   [[nodiscard]] std::uint64_t bytes() const;
   [[nodiscard]] std::int64_t blockCount() const { return static_cast<std::int64_t>(mFirst.size()) - 1; }
   void clear();
 
 private:
-  kernels::Int3 mBlockDims;
+  /// The chords of all tasks in one list.
+  void collect(const RunContext& ctx);
+
+  kernels::Int3 mDims, mBlockDims;
   const LaneSet& mLanes;
   std::deque<std::vector<FarChords>> mTasks;
-  std::vector<FarChord> mChords;
-  std::vector<std::int64_t> mFirst; // of each block in mIds, and the end
-  std::vector<std::uint32_t> mIds;  // chords, block by block
+  std::vector<FarChord, UninitialisedAllocator<FarChord>> mChords;
+  std::vector<std::int64_t> mFirst;                                       // of each block in mIds, and the end
+  std::vector<std::uint32_t, UninitialisedAllocator<std::uint32_t>> mIds; // chords, block by block
 };
 
 } // namespace volcaustic

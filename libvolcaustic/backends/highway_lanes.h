@@ -2,7 +2,7 @@
 // Included only by sources that are compiled once for each instruction set, with VOLCAUSTIC_INSTRUCTION_SET defined.
 #pragma once
 
-#include "kernels/flat_medium.h"
+#include "kernels/fluence.h"
 
 #define HWY_COMPILE_ONLY_STATIC
 #include <hwy/contrib/math/math-inl.h>
@@ -76,6 +76,9 @@ VOLCAUSTIC_HD inline Int larger(Int a, Int b) { return Int(hn::Max(a.v, b.v)); }
 VOLCAUSTIC_HD inline Float absOf(Float a) { return Float(hn::Abs(a.v)); }
 VOLCAUSTIC_HD inline Float mulAdd(Float a, Float b, Float c) { return Float(hn::MulAdd(a.v, b.v, c.v)); }
 VOLCAUSTIC_HD inline Float exponential(Float a) { return Float(hn::Exp(FloatTag(), a.v)); }
+VOLCAUSTIC_HD inline Float quotient(Float a, Float b) { return Float(hn::Div(a.v, b.v)); }
+VOLCAUSTIC_HD inline Float squareRoot(Float a) { return Float(hn::Sqrt(a.v)); }
+VOLCAUSTIC_HD inline Float arctangent(Float a) { return Float(hn::Atan(FloatTag(), a.v)); }
 VOLCAUSTIC_HD inline Int toInt(Float a) { return Int(hn::ConvertTo(IntTag(), a.v)); }
 VOLCAUSTIC_HD inline Float toFloat(Int a) { return Float(hn::ConvertTo(FloatTag(), a.v)); }
 VOLCAUSTIC_HD inline Int powerOfTwo(Int a) { return Int(hn::Shl(hn::Set(IntTag(), 1), a.v)); }
@@ -102,8 +105,82 @@ VOLCAUSTIC_HD inline Int gatherByte(const std::uint8_t* bytes, Int index) {
   const auto four = hn::GatherOffset(IntTag(), reinterpret_cast<const std::int32_t*>(bytes), index.v);
   return Int(hn::And(four, hn::Set(IntTag(), 0xff)));
 }
+VOLCAUSTIC_HD inline Int lookUp(const std::int32_t (&table)[kernels::kLookUpSize], Int index) {
+  const auto at = hn::IndicesFromVec(IntTag(), hn::And(index.v, hn::Set(IntTag(), kLanes - 1)));
+  const auto low = hn::TableLookupLanes(hn::LoadU(IntTag(), table), at);
+#if HWY_TARGET == HWY_AVX2
+  const auto high = hn::TableLookupLanes(hn::LoadU(IntTag(), table + kLanes), at);
+  return select(index < Int(kLanes), Int(low), Int(high));
+#else
+  return Int(low);
+#endif
+}
+
+VOLCAUSTIC_HD inline std::uint64_t highBits(Float, const std::uint8_t* bytes) {
+  const hn::ScalableTag<std::int8_t> d;
+  std::uint8_t bits[8];
+  for (std::size_t i = 0; i < 64; i += hn::Lanes(d))
+    hn::StoreMaskBits(d, hn::Lt(hn::LoadU(d, reinterpret_cast<const std::int8_t*>(bytes + i)), hn::Zero(d)),
+                      bits + i / 8);
+  std::uint64_t all;
+  __builtin_memcpy(&all, bits, sizeof all);
+  return all;
+}
 
 using Four = hn::Vec<hn::FixedTag<float, 4>>;
+
+VOLCAUSTIC_HD inline Float floatOfBits(Int a) { return Float(hn::BitCast(FloatTag(), a.v)); }
+VOLCAUSTIC_HD inline std::int32_t oneOf(const Mask& m, Int v) {
+  return hn::GetLane(hn::MaxOfLanes(IntTag(), hn::IfThenElse(integers(m), v.v, hn::Set(IntTag(), INT32_MIN))));
+}
+VOLCAUSTIC_HD inline int count(const Mask& m) { return static_cast<int>(hn::CountTrue(FloatTag(), m.m)); }
+
+/// As many doubles, in two registers.
+struct Double {
+  using Tag = hn::ScalableTag<double>;
+  hn::Vec<Tag> low, high;
+
+  Double() = default;
+  VOLCAUSTIC_HD Double(hn::Vec<Tag> low_, hn::Vec<Tag> high_) : low(low_), high(high_) {}
+  VOLCAUSTIC_HD explicit Double(double s) : low(hn::Set(Tag(), s)), high(low) {}
+  VOLCAUSTIC_HD friend Double operator+(Double a, Double b) { return {hn::Add(a.low, b.low), hn::Add(a.high, b.high)}; }
+  VOLCAUSTIC_HD friend Double operator-(Double a, Double b) { return {hn::Sub(a.low, b.low), hn::Sub(a.high, b.high)}; }
+  VOLCAUSTIC_HD friend Double operator*(Double a, Double b) { return {hn::Mul(a.low, b.low), hn::Mul(a.high, b.high)}; }
+};
+} // namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET
+
+namespace volcaustic::kernels {
+template <>
+struct LaneTraits<VOLCAUSTIC_INSTRUCTION_SET::Float> {
+  using Int = VOLCAUSTIC_INSTRUCTION_SET::Int;
+  using Mask = VOLCAUSTIC_INSTRUCTION_SET::Mask;
+  using Double = VOLCAUSTIC_INSTRUCTION_SET::Double;
+};
+} // namespace volcaustic::kernels
+
+namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET {
+
+VOLCAUSTIC_HD inline Double smaller(Double a, Double b) { return {hn::Min(a.low, b.low), hn::Min(a.high, b.high)}; }
+VOLCAUSTIC_HD inline Double larger(Double a, Double b) { return {hn::Max(a.low, b.low), hn::Max(a.high, b.high)}; }
+VOLCAUSTIC_HD inline Double squareRoot(Double a) { return {hn::Sqrt(a.low), hn::Sqrt(a.high)}; }
+VOLCAUSTIC_HD inline Double reciprocal(Double a) {
+  const auto one = hn::Set(Double::Tag(), 1.0);
+  return {hn::Div(one, a.low), hn::Div(one, a.high)};
+}
+VOLCAUSTIC_HD inline Double awayFromZero(Double a) {
+  const auto tiny = hn::Set(Double::Tag(), 1e-100);
+  const auto away = [tiny](auto v) __attribute__((always_inline)) {
+    return hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), tiny, v);
+  };
+  return {away(a.low), away(a.high)};
+}
+VOLCAUSTIC_HD inline Float narrow(Double a) {
+  const hn::Half<FloatTag> half;
+  return Float(hn::Combine(FloatTag(), hn::DemoteTo(half, a.high), hn::DemoteTo(half, a.low)));
+}
+VOLCAUSTIC_HD inline Double load(const double* p) {
+  return {hn::LoadU(Double::Tag(), p), hn::LoadU(Double::Tag(), p + hn::Lanes(Double::Tag()))};
+}
 
 /// Side by side in one register.
 #if HWY_TARGET == HWY_AVX2
@@ -115,9 +192,33 @@ VOLCAUSTIC_HD inline hn::Vec<FloatTag> join(const Four& a, const Four& b, const 
 }
 #endif
 
+/// The first numbers of all lanes, the second, ..., from four numbers of each lane, lane(i). They come together in
+/// registers: a detour over memory would wait for every store to be finished.
+struct FourFloats {
+  Float of[4];
+};
+template <class Lane>
+VOLCAUSTIC_HD inline FourFloats transposed(const Lane& lane) {
+#if HWY_TARGET == HWY_AVX2
+  const auto a = join(lane(0), lane(4)), b = join(lane(1), lane(5)), c = join(lane(2), lane(6)),
+             d = join(lane(3), lane(7));
+#else
+  const auto a = join(lane(0), lane(4), lane(8), lane(12)), b = join(lane(1), lane(5), lane(9), lane(13)),
+             c = join(lane(2), lane(6), lane(10), lane(14)), d = join(lane(3), lane(7), lane(11), lane(15));
+#endif
+  // A transposition of 4x4 numbers in each 128 bits.
+  const hn::Repartition<double, FloatTag> two;
+  const auto ab0 = hn::BitCast(two, hn::InterleaveLower(FloatTag(), a, b));
+  const auto ab1 = hn::BitCast(two, hn::InterleaveUpper(FloatTag(), a, b));
+  const auto cd0 = hn::BitCast(two, hn::InterleaveLower(FloatTag(), c, d));
+  const auto cd1 = hn::BitCast(two, hn::InterleaveUpper(FloatTag(), c, d));
+  const auto single = [](auto v) __attribute__((always_inline)) { return Float(hn::BitCast(FloatTag(), v)); };
+  return {{single(hn::InterleaveLower(two, ab0, cd0)), single(hn::InterleaveUpper(two, ab0, cd0)),
+           single(hn::InterleaveLower(two, ab1, cd1)), single(hn::InterleaveUpper(two, ab1, cd1))}};
+}
+
 /// The eight corners of each lane's cell, as four loads of two neighbours along z. Working on {n, gx, gy, gz} of a lane
-/// at a time costs four loads of 32 bytes where gathers of single numbers would cost 32 of 4. The lanes are brought
-/// together again in registers: a detour over memory would wait for every store to be finished.
+/// at a time costs four loads of 32 bytes where gathers of single numbers would cost 32 of 4.
 VOLCAUSTIC_HD inline kernels::FieldSample<Float> mixCell(const kernels::FieldVoxel* fields, Int offset,
                                                          const kernels::Vec3<Float>& t) {
   constexpr int kX = kernels::kFieldEdge * kernels::kFieldEdge, kY = kernels::kFieldEdge;
@@ -142,29 +243,36 @@ VOLCAUSTIC_HD inline kernels::FieldSample<Float> mixCell(const kernels::FieldVox
     const auto low = hn::LowerHalf(one, sum), high = hn::UpperHalf(one, sum);
     return hn::MulAdd(hn::Set(one, z[i]), hn::Sub(high, low), low);
   };
-#if HWY_TARGET == HWY_AVX2
-  const auto a = join(lane(0), lane(4)), b = join(lane(1), lane(5)), c = join(lane(2), lane(6)),
-             d = join(lane(3), lane(7));
-#else
-  const auto a = join(lane(0), lane(4), lane(8), lane(12)), b = join(lane(1), lane(5), lane(9), lane(13)),
-             c = join(lane(2), lane(6), lane(10), lane(14)), d = join(lane(3), lane(7), lane(11), lane(15));
-#endif
-  // A transposition of 4x4 numbers in each 128 bits.
-  const hn::Repartition<double, FloatTag> two;
-  const auto ab0 = hn::BitCast(two, hn::InterleaveLower(FloatTag(), a, b));
-  const auto ab1 = hn::BitCast(two, hn::InterleaveUpper(FloatTag(), a, b));
-  const auto cd0 = hn::BitCast(two, hn::InterleaveLower(FloatTag(), c, d));
-  const auto cd1 = hn::BitCast(two, hn::InterleaveUpper(FloatTag(), c, d));
-  const auto single = [](auto v) __attribute__((always_inline)) { return Float(hn::BitCast(FloatTag(), v)); };
-  return {single(hn::InterleaveLower(two, ab0, cd0)),
-          kernels::Vec3<Float>(single(hn::InterleaveUpper(two, ab0, cd0)), single(hn::InterleaveLower(two, ab1, cd1)),
-                               single(hn::InterleaveUpper(two, ab1, cd1)))};
+  const FourFloats f = transposed(lane);
+  return {f.of[0], kernels::Vec3<Float>(f.of[1], f.of[2], f.of[3])};
 }
 
 VOLCAUSTIC_HD inline kernels::FieldSample<Float> loadVoxel(const kernels::FieldVoxel* fields, Int offset) {
   const Int at = offset << 2;
   const float* base = &fields->n;
   return {gather(base, at), kernels::Vec3<Float>(gather(base + 1, at), gather(base + 2, at), gather(base + 3, at))};
+}
+
+/// One load of 16 bytes for each lane, from addresses that need not fit into 32 bits.
+VOLCAUSTIC_HD inline kernels::FluenceWords<Float> loadVoxel(const kernels::FluenceVoxel* voxels, Int slot, Int offset) {
+  const hn::ScalableTag<std::int64_t> wide;
+  const hn::Half<IntTag> half;
+  HWY_ALIGN std::int64_t at[kLanes];
+  const auto bytes = [&](auto s, auto o) __attribute__((always_inline)) {
+    constexpr int kVoxelBits = 4, kBrickBits = 13;
+    return hn::Add(hn::ShiftLeft<kBrickBits>(hn::PromoteTo(wide, s)),
+                   hn::ShiftLeft<kVoxelBits>(hn::PromoteTo(wide, o)));
+  };
+  hn::Store(bytes(hn::LowerHalf(half, slot.v), hn::LowerHalf(half, offset.v)), wide, at);
+  hn::Store(bytes(hn::UpperHalf(half, slot.v), hn::UpperHalf(half, offset.v)), wide, at + kLanes / 2);
+  asm("" : "+m"(at)); // g++ would take them out of the registers one by one, through the port that the rest needs
+  const auto lane = [&](int i) __attribute__((always_inline)) {
+    return hn::LoadU(hn::FixedTag<float, 4>(),
+                     reinterpret_cast<const float*>(reinterpret_cast<const char*>(voxels) + at[i]));
+  };
+  const FourFloats f = transposed(lane);
+  const auto word = [&](int i) __attribute__((always_inline)) { return Int(hn::BitCast(IntTag(), f.of[i].v)); };
+  return {{word(0), word(1), word(2), word(3)}};
 }
 
 #if HWY_TARGET == HWY_AVX2
@@ -215,6 +323,16 @@ private:
   int mCount;
 };
 
+/// a b, rounded to the nearest integer, for products within 2^22: of the sum with 1.5 2^23 only the integer is left.
+/// The library's own way guards against products beyond 32 bits, which costs six operations.
+VOLCAUSTIC_HD inline hn::Vec<hn::FixedTag<std::int32_t, 8>> roundedProduct(hn::Vec<hn::FixedTag<float, 8>> a,
+                                                                           hn::Vec<hn::FixedTag<float, 8>> b) {
+  const hn::FixedTag<float, 8> eight;
+  const hn::FixedTag<std::int32_t, 8> integers;
+  const auto big = hn::Set(eight, 12582912.0f);
+  return hn::Sub(hn::BitCast(integers, hn::MulAdd(a, b, big)), hn::BitCast(integers, big));
+}
+
 /// Registers from memory and back, at any address.
 VOLCAUSTIC_HD inline Float load(const float* p) { return Float(hn::LoadU(FloatTag(), p)); }
 VOLCAUSTIC_HD inline Int load(const std::int32_t* p) { return Int(hn::LoadU(IntTag(), p)); }
@@ -226,11 +344,3 @@ VOLCAUSTIC_HD inline kernels::Vec3<Float> load3(const float* x, const float* y, 
 VOLCAUSTIC_HD inline Mask firstLanes(int n) { return {hn::FirstN(FloatTag(), static_cast<std::size_t>(n))}; }
 
 } // namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET
-
-namespace volcaustic::kernels {
-template <>
-struct LaneTraits<VOLCAUSTIC_INSTRUCTION_SET::Float> {
-  using Int = VOLCAUSTIC_INSTRUCTION_SET::Int;
-  using Mask = VOLCAUSTIC_INSTRUCTION_SET::Mask;
-};
-} // namespace volcaustic::kernels

@@ -123,7 +123,7 @@ private:
       std::int32_t* at = reinterpret_cast<std::int32_t*>(table[mBrick[i]]) + std::ptrdiff_t{8} * mOffset[i];
       auto rate = of(chords.rates, mChord[i]);
       if constexpr (kDecays) rate = hn::MulAdd(of(chords.slopes, mChord[i]), hn::Set(eight, mMiddle[i]), rate);
-      const auto added = hn::NearestInt(hn::Mul(rate, hn::Set(eight, mLength[i])));
+      const auto added = roundedProduct(rate, hn::Set(eight, mLength[i]));
       const auto sum = hn::Add(hn::Load(integers, at), added);
       hn::Store(sum, integers, at);
       // The sign of sum + kCarryAt changes where a sum is at or beyond the range that it may keep.
@@ -191,8 +191,24 @@ private:
         f.slope[i] = columns[10 + i][k];
       }
       f.length = columns[6][k];
+      f.unused = 0;
     }
     mFar.append(chords, squeeze.count());
+    countVoxels(c, on);
+  }
+
+  /// A voxel more for each face between voxels on the way.
+  void countVoxels(const ChordOf<Float>& c, const Mask& on) {
+    const auto faces = [&](Float start, Float direction, std::int32_t dim) {
+      const auto cell = [dim](Float p) { return kernels::clampTo(toInt(p), Int(0), Int(dim - 1)); };
+      return absOf(toFloat(cell(mulAdd(direction, c.length, start)) - cell(start)));
+    };
+    const Float crossed = Float(1) + faces(c.start.x, c.direction.x, mCells.dims.x) +
+                          faces(c.start.y, c.direction.y, mCells.dims.y) +
+                          faces(c.start.z, c.direction.z, mCells.dims.z);
+    const Float sum(hn::SumOfLanes(FloatTag(), select(on, crossed, Float(0)).v));
+    mSums.tally.counts.data()[static_cast<int>(Counter::VoxelsCrossed)] +=
+        static_cast<std::int64_t>(hn::GetLane(sum.v));
   }
 
   kernels::BrickCells mCells;

@@ -1,9 +1,10 @@
 #include "backends/lanes.h"
 
 #include "backends/cpu_sink.h"
-#include "kernels/smooth.h"
+#include "backends/tile_emission.h"
 #include "volcaustic/error.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -12,20 +13,26 @@ namespace volcaustic {
 // One for each instruction set that lane_*.cpp are compiled for.
 #define VOLCAUSTIC_LANE_FUNCTIONS(name)                                                                                \
   namespace name {                                                                                                     \
+  void emitTileRow(const EmissionTask& task, std::int32_t tileRow, PhotonTally& tally);                                \
   void tracePhotons(const PhotonTask& task, CpuSums& sums, FarChords& far);                                            \
-  std::int64_t findBlocks(const FarChord* chords, std::int64_t count, const kernels::Int3& blockDims,                  \
-                          BlockCrossing* crossings);                                                                   \
-  std::int64_t rasterise(const FarChord* chords, const std::uint32_t* ids, std::int64_t count,                         \
-                         const kernels::Int3& corner, float scale, BlockSums& sums);                                   \
+  void rasterise(const FarChord* chords, const std::uint32_t* ids, std::int64_t count, const kernels::Int3& corner,    \
+                 float scale, BlockSums& sums);                                                                        \
   kernels::LitLengths<float> litLengths(const kernels::LitView& view, const float* entry);                             \
-  void lightBrick(const kernels::LampView& lamp, float* fluence, float* direction);                                    \
-  void smoothBrick(const float* in, float* out);                                                                       \
+  void lightAround(const kernels::Lamp& lamp, const kernels::Int3& low, const kernels::Int3& dims, const float* parts, \
+                   float* sums);                                                                                       \
+  std::uint64_t finishBlock(const kernels::LightSums<std::int32_t>& sums, kernels::FluenceVoxel* const* bricks);       \
+  void finishBrick(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out);                                 \
+  void view(const ViewTask& task, ViewCounts& counts);                                                                 \
   }
 VOLCAUSTIC_LANE_FUNCTIONS(avx512)
 VOLCAUSTIC_LANE_FUNCTIONS(avx2)
 #undef VOLCAUSTIC_LANE_FUNCTIONS
 
 namespace {
+
+void emitOneByOne(const EmissionTask& task, std::int32_t tileRow, PhotonTally& tally) {
+  tiles::TileRowEmission<float>(task, tileRow, tally).run();
+}
 
 /// The reference: every chord goes to the sums at once.
 void traceOneByOne(const PhotonTask& task, CpuSums& sums, FarChords&) {
@@ -44,31 +51,66 @@ kernels::LitLengths<float> litOneByOne(const kernels::LitView& view, const float
   return sum;
 }
 
-void lightOneByOne(const kernels::LampView& lamp, float* fluence, float* direction) {
-  for (std::int32_t k = 0; k < kernels::kStepVoxels; ++k) {
-    const kernels::LampLight<float> light = kernels::lampLight<float>(lamp, k);
-    const float l = kernels::luminance(light.fluence);
+void lightAroundOneByOne(const kernels::Lamp& lamp, const kernels::Int3& low, const kernels::Int3& dims,
+                         const float* parts, float* sums) {
+  const auto centre = [](int c, int dim) { return static_cast<float>(std::clamp(c, 0, dim - 1)) + 0.5f; };
+  for (int k = 0; k < kAroundVoxels; ++k, sums += 8) {
+    const kernels::Float3 p(centre(low.x + k / 100, dims.x), centre(low.y + k / 10 % 10, dims.y),
+                            centre(low.z + k % 10, dims.z));
+    const kernels::LampLight<float> light = kernels::lampLight<float>(lamp, p);
+    const kernels::Float3 fluence = light.fluence * parts[k];
+    const kernels::Float3 towards = light.direction * kernels::luminance(fluence);
     for (int i = 0; i < 3; ++i) {
-      fluence[3 * k + i] += light.fluence[i];
-      direction[3 * k + i] += light.direction[i] * l;
+      sums[i] += fluence[i];
+      sums[4 + i] += towards[i];
     }
   }
 }
 
-void smoothOneByOne(const float* in, float* out) { kernels::smoothBrick(in, out); }
+bool packOneByOne(const float* v, kernels::FluenceVoxel* out) {
+  std::uint32_t any = 0;
+  for (int k = 0; k < 8; ++k, v += 8) {
+    out[k] = kernels::pack({kernels::Float3(v[0], v[1], v[2]), kernels::Float3(v[4], v[5], v[6])});
+    for (const std::uint32_t w : out[k].words) any |= w;
+  }
+  return any != 0;
+}
+std::uint64_t finishBlockOneByOne(const kernels::LightSums<std::int32_t>& sums, kernels::FluenceVoxel* const* bricks) {
+  return kernels::finishBricks<kBlockEdge>(sums, bricks, packOneByOne);
+}
+void finishBrickOneByOne(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out) {
+  kernels::finishBricks<8>(sums, &out, packOneByOne);
+}
+
+struct CountingSink {
+  ViewCounts& counts;
+  void count(kernels::Counter c, std::int64_t n) {
+    using kernels::Counter;
+    (c == Counter::Steps ? counts.steps : c == Counter::NotFinite ? counts.notFinite : counts.stepLimit) += n;
+  }
+};
+void viewOneByOne(const ViewTask& task, ViewCounts& counts) {
+  CountingSink sink{counts};
+  const kernels::ViewBody<CountingSink> body{task.scene, task.planes};
+  const kernels::CameraFrame& camera = task.scene.camera;
+  for (std::int32_t r = task.row; r < std::min(task.row + kViewBlock, camera.height); ++r)
+    for (std::int32_t c = task.column; c < std::min(task.column + kViewBlock, camera.width); ++c)
+      body(std::int64_t{r} * camera.width + c, sink);
+}
 
 std::vector<LaneSet> findLaneSets() {
   std::vector<LaneSet> sets;
 #if defined(VOLCAUSTIC_HAS_LANES)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
-    sets.push_back({"avx512", 16, avx512::tracePhotons, avx512::findBlocks, avx512::rasterise, avx512::litLengths,
-                    avx512::lightBrick, avx512::smoothBrick});
+    sets.push_back({"avx512", 16, avx512::emitTileRow, avx512::tracePhotons, avx512::rasterise, avx512::litLengths,
+                    avx512::lightAround, avx512::finishBlock, avx512::finishBrick, avx512::view});
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
-    sets.push_back({"avx2", 8, avx2::tracePhotons, avx2::findBlocks, avx2::rasterise, avx2::litLengths,
-                    avx2::lightBrick, avx2::smoothBrick});
+    sets.push_back({"avx2", 8, avx2::emitTileRow, avx2::tracePhotons, avx2::rasterise, avx2::litLengths,
+                    avx2::lightAround, avx2::finishBlock, avx2::finishBrick, avx2::view});
 #endif
-  sets.push_back({"scalar", 1, traceOneByOne, nullptr, nullptr, litOneByOne, lightOneByOne, smoothOneByOne});
+  sets.push_back({"scalar", 1, emitOneByOne, traceOneByOne, nullptr, litOneByOne, lightAroundOneByOne,
+                  finishBlockOneByOne, finishBrickOneByOne, viewOneByOne});
   return sets;
 }
 

@@ -1,13 +1,14 @@
-// The instruction sets that photons run on, on this machine's cores.
+// The instruction sets that photons and the camera's rays run on, on this machine's cores.
 //
-// lane_photons.cpp and lane_blocks.cpp are compiled once for each of them; which one runs is chosen at run time. Such a
-// file must not leave shared copies of functions behind: the linker might pick one for the whole program, and an older
-// processor would stop at it. So all that it includes is inlined (VOLCAUSTIC_HD), and a test looks at the object files'
-// symbols.
+// The lane_*.cpp files are compiled once for each of them; which one runs is chosen at run time. Such a file must not
+// leave shared copies of functions behind: the linker might pick one for the whole program, and an older processor
+// would stop at it. So all that it includes is inlined (VOLCAUSTIC_HD), and a test looks at the object files' symbols.
 #pragma once
 
 #include "backends/light_bricks.h"
+#include "kernels/lamp.h"
 #include "kernels/lit.h"
+#include "kernels/view.h"
 
 #include <span>
 #include <string_view>
@@ -26,9 +27,9 @@ struct CpuSums {
 struct FarChord {
   float start[3], direction[3];
   float length;
-  float power[3];   ///< mean over the length, W
-  float slope[3];   ///< its change, W/voxel; power holds at length/2
-  float unused = 0; ///< lets lanes load any three numbers as four
+  float power[3]; ///< mean over the length, W
+  float slope[3]; ///< its change, W/voxel; power holds at length/2
+  float unused;   ///< lets lanes load any three numbers as four
 };
 
 /// Chords that a task left for later; grows outside the files that are compiled for an instruction set.
@@ -39,6 +40,17 @@ public:
 
 private:
   std::vector<FarChord> mChords;
+};
+
+/// Cells of a raster's rows: those of one row of reach tiles at a time.
+struct EmissionTask {
+  const kernels::FlatMedium& medium;
+  const kernels::EmissionFrame& frame;
+  kernels::RasterView view; ///< of the frame
+  kernels::RasterReach reach;
+  FixedPoint scale;
+  RowRange rows; ///< asked for
+  float* entry;
 };
 
 /// Photons of a raster: those of cells[0] to cells[count - 1].
@@ -52,34 +64,45 @@ struct PhotonTask {
   std::int64_t count;
 };
 
-/// A block that a chord goes through.
-struct BlockCrossing {
-  std::int32_t block, chord;
+/// Pixels of a picture: those of kViewBlock x kViewBlock from a corner on, as many as there are.
+inline constexpr int kViewBlock = 32;
+struct ViewTask {
+  const kernels::ViewScene& scene;
+  const kernels::PixelPlanes& planes;
+  std::int32_t column, row;
 };
+struct ViewCounts {
+  std::int64_t steps = 0, notFinite = 0, stepLimit = 0;
+};
+
+/// Voxels of a brick and of one voxel around it, and as many more as a register may read beyond them.
+inline constexpr int kAroundVoxels = 1000, kAroundPadded = 1024;
 
 /// What an instruction set offers.
 struct LaneSet {
   std::string_view name; ///< "avx512", "avx2", "scalar"
   int width;             ///< numbers in a register
+  /// PhotonTracer::emit for those of the asked rows that are in a row of tiles.
+  void (*emitTileRow)(const EmissionTask& task, std::int32_t tileRow, PhotonTally& tally);
   /// Carries photons to their ends. Light of short chords goes to the sums, long chords to `far`.
   void (*tracePhotons)(const PhotonTask& task, CpuSums& sums, FarChords& far);
-  /// Blocks of blockDims that each of `count` chords goes through, each once; `crossings` has room for mostBlocks() of
-  /// every chord. Returns their number.
-  std::int64_t (*findBlocks)(const FarChord* chords, std::int64_t count, const kernels::Int3& blockDims,
-                             BlockCrossing* crossings);
-  /// Adds the part inside the block of chords[ids[0]] to chords[ids[count - 1]] to its sums, each for a deposit of at
-  /// most 2^17 units. The sums are within half of their range before. Returns the number of voxels crossed.
-  std::int64_t (*rasterise)(const FarChord* chords, const std::uint32_t* ids, std::int64_t count,
-                            const kernels::Int3& corner, float scale, BlockSums& sums);
+  /// Adds what chords[ids[0]] to chords[ids[count - 1]] leave in the block with this corner, and in the voxels around
+  /// it, to its sums, each for a deposit of at most 2^17 units. The sums are within half of their range before.
+  void (*rasterise)(const FarChord* chords, const std::uint32_t* ids, std::int64_t count, const kernels::Int3& corner,
+                    float scale, BlockSums& sums);
   /// Lengths of all rays of the footprint inside the voxel: in all, and before their first bends.
   kernels::LitLengths<float> (*litLengths)(const kernels::LitView& view, const float* entry);
-  /// Adds the light to all 512 voxels of a brick: fluence, and its luminance times the direction; three numbers each.
-  void (*lightBrick)(const kernels::LampView& lamp, float* fluence, float* direction);
-  /// Three passes of (1, 2, 1)/4 over a brick of three-vectors and one voxel around it: 10x10x10 in, 8x8x8 out.
-  void (*smoothBrick)(const float* in, float* out);
+  /// Adds the lamp's light at the centres of 10x10x10 voxels from `low` on (z fastest, each moved into the domain),
+  /// times the part of it that each is given, to eight sums a voxel (kernels::LightSums). `parts` has kAroundPadded
+  /// numbers.
+  void (*lightAround)(const kernels::Lamp& lamp, const kernels::Int3& low, const kernels::Int3& dims,
+                      const float* parts, float* sums);
+  /// kernels::finishBricks on a block, of 4x4x4 bricks, and on a brick.
+  std::uint64_t (*finishBlock)(const kernels::LightSums<std::int32_t>& sums, kernels::FluenceVoxel* const* bricks);
+  void (*finishBrick)(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out);
+  /// Writes the task's pixels into the planes.
+  void (*view)(const ViewTask& task, ViewCounts& counts);
 };
-/// Blocks that a chord of this length can go through.
-constexpr std::int64_t mostBlocks(float length) { return 3 * (static_cast<std::int64_t>(length) / kBlockEdge + 2); }
 
 /// Those that this processor has, the widest first; "scalar", one photon at a time, is the last and the reference.
 std::span<const LaneSet> laneSets();

@@ -53,27 +53,26 @@ void LightBricks::carry(std::int64_t brick, std::int32_t offset) {
   std::fill(std::begin(low), std::end(low), 0);
 }
 
-void LightBricks::add(std::int64_t brick, const BlockSums& sums, int corner) {
-  for (int k = 0; k < kernels::kStepVoxels; ++k) {
-    const VoxelSums v = sums.at(corner + blockOffset(k >> 6, (k >> 3) & 7, k & 7));
-    if (std::all_of(v.begin(), v.end(), [](std::int64_t s) { return s == 0; })) continue;
-    if (addWithinRange(touch(brick)[k].s, v)) continue;
+void LightBricks::add(std::int64_t brick, const BlockSums& sums, const kernels::Int3& corner) {
+  forVoxelsInSums(corner, [&](int k, int voxel) {
+    const VoxelSums v = sums.at(voxel);
+    if (std::all_of(v.begin(), v.end(), [](std::int64_t s) { return s == 0; })) return;
+    if (addWithinRange(touch(brick)[k].s, v)) return;
     VoxelSums& high = mCarried[brick * kernels::kStepVoxels + k];
     for (int c = 0; c < kSums; ++c) high[c] += v[c];
-  }
+  });
 }
 
-void LightBricks::addTo(std::int64_t brick, BlockSums& sums, int corner) const {
+void LightBricks::addTo(std::int64_t brick, BlockSums& sums, const kernels::Int3& corner) const {
   if (!mBricks[brick]) return;
-  for (int k = 0; k < kernels::kStepVoxels; ++k) {
-    const int voxel = corner + blockOffset(k >> 6, (k >> 3) & 7, k & 7);
+  forVoxelsInSums(corner, [&](int k, int voxel) {
     const std::int32_t(&s)[8] = (*mBricks[brick])[k].s;
     VoxelSums all{s[0], s[1], s[2], s[4], s[5], s[6]};
     if (!mCarried.empty())
       if (const auto high = mCarried.find(brick * kernels::kStepVoxels + k); high != mCarried.end())
         for (int c = 0; c < kSums; ++c) all[c] += high->second[c];
     if (std::any_of(all.begin(), all.end(), [](std::int64_t v) { return v != 0; })) sums.add(voxel, all);
-  }
+  });
 }
 
 } // namespace volcaustic

@@ -47,10 +47,10 @@ public:
   void carry(std::int64_t brick, std::int32_t offset);
 
   [[nodiscard]] bool touched(std::int64_t brick) const { return mBricks[brick] != nullptr; }
-  /// Adds a brick to its block; `corner` is the number of its first voxel there.
-  void addTo(std::int64_t brick, BlockSums& sums, int corner) const;
-  /// The other way: adds to a brick what its block holds.
-  void add(std::int64_t brick, const BlockSums& sums, int corner);
+  /// Adds a brick to a block of which, or beside which, it is; `corner` is its first voxel relative to the block's.
+  void addTo(std::int64_t brick, BlockSums& sums, const kernels::Int3& corner) const;
+  /// The other way: adds to a brick what its own block holds.
+  void add(std::int64_t brick, const BlockSums& sums, const kernels::Int3& corner);
 
 private:
   struct Free {

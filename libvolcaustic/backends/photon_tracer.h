@@ -40,8 +40,9 @@ class PhotonTracer {
 public:
   virtual ~PhotonTracer() = default;
 
-  /// Runs EmissionBody for every cell of the rows: entry[cell] becomes the distance of the cell's first bend. `entry`
-  /// is the whole raster's array; cells of other rows are left alone. `reach` bounds where the raster's rays can bend.
+  /// Does what EmissionBody does for every cell of the rows: entry[cell] becomes the distance of the cell's first bend.
+  /// `entry` is the whole raster's array; cells of other rows are left alone. `reach` bounds where the raster's rays
+  /// can bend.
   virtual void emit(const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
                     float* entry) = 0;
   /// Carries the photons of the rows' cells that bend from there to their ends.
@@ -52,11 +53,10 @@ public:
   /// Waits for everything asked for; the sums below are complete and on this machine then.
   virtual void finish() = 0;
 
-  /// Whether a block (z fastest over blockDims) may hold any light.
+  /// Whether a block (z fastest over blockDims), or the voxels around it, may hold any light.
   [[nodiscard]] virtual bool touched(std::int64_t block) const = 0;
-  /// Adds the block's sums to `sums`. Safe from several threads at once.
+  /// Adds the sums of the block and of the voxels around it to `sums`. Safe from several threads at once.
   virtual void addBlock(std::int64_t block, BlockSums& sums) const = 0;
-  /// Complete when addBlock has been called once for every touched block: some voxels are only crossed there.
   [[nodiscard]] virtual PhotonTally tally() const = 0;
   /// The most memory that the tracer's own arrays took, bytes on its machine.
   [[nodiscard]] virtual std::uint64_t peakBytes() const = 0;

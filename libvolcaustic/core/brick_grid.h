@@ -1,9 +1,13 @@
 // A sparse voxel array over a domain: 8x8x8 bricks, each either one value or 512 of them. The working form between the
 // stages; OpenVDB grids are the form at the borders. A brick is an OpenVDB leaf and has its voxel order (x slowest, z
 // fastest).
+//
+// Memory goes by the bricks that are not the background: the tables with an entry for each brick begin as zeros that
+// nobody wrote (zeroed_table.h), and zero says "background".
 #pragma once
 
 #include "core/large_memory.h"
+#include "core/zeroed_table.h"
 #include "volcaustic/types.h"
 
 #include <algorithm>
@@ -31,8 +35,8 @@ public:
   BrickGrid(const Vec3i& dims, const T& background)
       : mDims(dims)
       , mBricks{(dims[0] + 7) / 8, (dims[1] + 7) / 8, (dims[2] + 7) / 8}
-      , mSlots(std::size_t(mBricks[0]) * mBricks[1] * mBricks[2], kConstant)
-      , mValues(mSlots.size(), background)
+      , mSlots(std::size_t(mBricks[0]) * mBricks[1] * mBricks[2])
+      , mValues(mSlots.size())
       , mBackground(background) {}
 
   [[nodiscard]] const Vec3i& dims() const { return mDims; }
@@ -52,27 +56,37 @@ public:
     return {static_cast<int>(rest / mBricks[1]), static_cast<int>(rest % mBricks[1]), z};
   }
 
-  [[nodiscard]] bool isConstant(std::int64_t brick) const { return mSlots[brick] == kConstant; }
-  [[nodiscard]] const T& constant(std::int64_t brick) const { return mValues[brick]; }
+  [[nodiscard]] bool isConstant(std::int64_t brick) const { return mSlots[brick] <= 0; }
+  /// The one value of a brick that is constant.
+  [[nodiscard]] const T& constant(std::int64_t brick) const {
+    return mSlots[brick] == kOwnConstant ? mValues[brick] : mBackground;
+  }
   /// 512 values of a brick that is not constant.
   [[nodiscard]] std::span<const T> voxels(std::int64_t brick) const {
     assert(!isConstant(brick));
-    return {mVoxels.data() + std::size_t(mSlots[brick]) * kBrickVoxels, kBrickVoxels};
+    return {mVoxels.data() + voxelBegin(brick), kBrickVoxels};
   }
   [[nodiscard]] std::span<T> voxels(std::int64_t brick) {
     assert(!isConstant(brick));
-    return {mVoxels.data() + std::size_t(mSlots[brick]) * kBrickVoxels, kBrickVoxels};
+    return {mVoxels.data() + voxelBegin(brick), kBrickVoxels};
   }
+  /// Of a constant brick. Safe from several threads for different bricks.
   void setConstant(std::int64_t brick, const T& value) {
     assert(isConstant(brick));
-    mValues[brick] = value;
+    if (value != mBackground) {
+      mValues[brick] = value;
+      mSlots[brick] = kOwnConstant;
+    } else if (mSlots[brick] != kBackground) {
+      mSlots[brick] = kBackground;
+    }
   }
   /// Gives the brick 512 voxels of its own, filled with its constant. Not safe beside other allocations: use activate
   /// for many bricks at once.
   std::span<T> allocate(std::int64_t brick) {
     if (isConstant(brick)) {
+      const T value = constant(brick);
+      mVoxels.resize(mVoxels.size() + kBrickVoxels, value);
       mSlots[brick] = static_cast<std::int32_t>(mVoxels.size() / kBrickVoxels);
-      mVoxels.resize(mVoxels.size() + kBrickVoxels, mValues[brick]);
     }
     return voxels(brick);
   }
@@ -88,37 +102,57 @@ public:
     }
     for (const std::int64_t b : bricks) {
       assert(isConstant(b));
-      mSlots[b] = static_cast<std::int32_t>(mVoxels.size() / kBrickVoxels);
       mVoxels.resize(mVoxels.size() + kBrickVoxels);
+      mSlots[b] = static_cast<std::int32_t>(mVoxels.size() / kBrickVoxels);
     }
   }
   /// Value at a voxel of the domain.
   [[nodiscard]] const T& at(int x, int y, int z) const {
     const std::int64_t brick = brickIndex({x >> 3, y >> 3, z >> 3});
-    return isConstant(brick) ? mValues[brick]
-                             : mVoxels[std::size_t(mSlots[brick]) * kBrickVoxels + brickOffset(x, y, z)];
+    return isConstant(brick) ? constant(brick) : mVoxels[voxelBegin(brick) + brickOffset(x, y, z)];
   }
   /// The same with coordinates clamped into the domain.
   [[nodiscard]] const T& clamped(int x, int y, int z) const {
     return at(std::clamp(x, 0, mDims[0] - 1), std::clamp(y, 0, mDims[1] - 1), std::clamp(z, 0, mDims[2] - 1));
   }
 
-  /// The arrays themselves, for the kernels: slot or -1 of each brick, value of each constant brick, 512 voxels of each
-  /// slot.
-  [[nodiscard]] std::span<const std::int32_t> slots() const { return mSlots; }
-  [[nodiscard]] std::span<const T> constants() const { return mValues; }
-  [[nodiscard]] std::span<const T> storage() const { return mVoxels; }
+  /// The bricks that are not the background all over, in order: those that vary and those of another value.
+  [[nodiscard]] std::vector<std::int64_t> occupied() const {
+    std::vector<std::int64_t> bricks;
+    mSlots.forEachNonZero(0, mSlots.size(),
+                          [&](std::size_t brick) { bricks.push_back(static_cast<std::int64_t>(brick)); });
+    return bricks;
+  }
+  /// Whether the brick and its up to 26 neighbours are constant and of one value.
+  [[nodiscard]] bool uniformAround(std::int64_t brick) const {
+    if (!isConstant(brick)) return false;
+    const Vec3i c = brickCoord(brick);
+    const auto first = [&](int a) { return std::max(c[a] - 1, 0); };
+    const auto last = [&](int a) { return std::min(c[a] + 1, mBricks[a] - 1); };
+    for (int x = first(0); x <= last(0); ++x)
+      for (int y = first(1); y <= last(1); ++y)
+        for (int z = first(2); z <= last(2); ++z) {
+          const std::int64_t other = brickIndex({x, y, z});
+          if (!isConstant(other) || constant(other) != constant(brick)) return false;
+        }
+    return true;
+  }
 
+  /// Voxels and tables, pages of the tables that nothing was written to included.
   [[nodiscard]] std::size_t memoryBytes() const {
     return mVoxels.size() * sizeof(T) + mSlots.size() * (sizeof(std::int32_t) + sizeof(T));
   }
 
 private:
-  static constexpr std::int32_t kConstant = -1;
+  static constexpr std::int32_t kBackground = 0, kOwnConstant = -1;
+  [[nodiscard]] std::size_t voxelBegin(std::int64_t brick) const {
+    return (std::size_t(mSlots[brick]) - 1) * kBrickVoxels;
+  }
+
   Vec3i mDims{0, 0, 0}, mBricks{0, 0, 0};
-  std::vector<std::int32_t> mSlots;
-  std::vector<T> mValues; // of constant bricks
-  std::vector<T, UninitialisedAllocator<T>> mVoxels;
+  ZeroedTable<std::int32_t> mSlots; // 1 and up: slot among the voxels + 1
+  ZeroedTable<T> mValues;           // where the slot says kOwnConstant
+  LargeVector<T> mVoxels;
   T mBackground{};
 };
 

@@ -6,12 +6,18 @@
 #include <memory>
 #include <new>
 #include <utility>
+#include <vector>
 
 namespace volcaustic {
 
 /// Aligned to 64 bytes at least, not initialised. \throws std::bad_alloc.
 void* allocateLarge(std::size_t bytes);
 void freeLarge(void* memory) noexcept;
+
+/// Zeros. Big ones come from the system in small pages, each of which costs memory only once it is written to; reading
+/// it before that is free. \throws std::bad_alloc.
+void* allocateZeroed(std::size_t bytes);
+void freeZeroed(void* memory, std::size_t bytes) noexcept;
 
 /// For containers whose elements are written later: leaves new ones as they are.
 template <class T>
@@ -33,5 +39,9 @@ struct UninitialisedAllocator {
   }
   friend bool operator==(const UninitialisedAllocator&, const UninitialisedAllocator&) { return true; }
 };
+
+/// A vector whose resize leaves new elements of built-in types as they are.
+template <class T>
+using LargeVector = std::vector<T, UninitialisedAllocator<T>>;
 
 } // namespace volcaustic

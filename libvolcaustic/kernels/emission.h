@@ -2,9 +2,9 @@
 // bend.
 #pragma once
 
+#include "kernels/bend_search.h"
 #include "kernels/march.h"
 #include "kernels/tally.h"
-#include "kernels/traverse.h"
 
 namespace volcaustic::kernels {
 
@@ -18,9 +18,31 @@ VOLCAUSTIC_HD inline double uniform(std::uint64_t seed, std::uint64_t a, std::ui
   return static_cast<double>(z >> 11) * 0x1.0p-53;
 }
 
+/// Solid angle of the rectangle [u, u + du] x [v, v + dv] of the plane at distance 1: van Oosterom and Strackee's
+/// formula for its two triangles. Nothing cancels in it, so single precision does for cells of any size.
+template <class T>
+VOLCAUSTIC_HD inline T solidAngle(T u, T v, T du, T dv) {
+  constexpr float kSmall = sizeof(T) == sizeof(double) ? 1e-6f : 1e-4f; // an angle is its tangent
+  const auto squared = [](T x, T y) { return x * x + y * y + T(1); };
+  const auto root = [](T a) { return a * inverseRoot(a); };
+  const T u1 = u + du, v1 = v + dv;
+  const T a = root(squared(u, v)), b = root(squared(u1, v)), c = root(squared(u1, v1)), d = root(squared(u, v1));
+  const T ac = u * u1 + v * v1 + T(1), diagonal = a * c + ac, area = du * dv;
+  const T below = b * diagonal + (u * u1 + v * v + T(1)) * c + (u1 * u1 + v * v1 + T(1)) * a;
+  const T above = d * diagonal + (u * u1 + v1 * v1 + T(1)) * a + (u * u + v * v1 + T(1)) * c;
+  const T x = area * reciprocal(below), y = area * reciprocal(above);
+  if (!any(larger(x, y) > T(kSmall))) return T(2) * (x + y); // by far most rasters
+  return T(2) * (arctangent(x) + arctangent(y));
+}
+
 struct EmissionRay {
   Double3 origin;    ///< on the raster plane (parallel light) or the light itself
   Double3 direction; ///< unit
+};
+
+/// A point of a raster, in cells.
+struct RasterPoint {
+  double column, row;
 };
 
 /// One raster of a light, grid space. Parallel light: cells are squares of the plane through `origin` spanned by axisU
@@ -39,13 +61,18 @@ struct EmissionFrame {
 
   VOLCAUSTIC_HD std::int64_t cells() const { return static_cast<std::int64_t>(columns) * rows; }
 
-  VOLCAUSTIC_HD EmissionRay ray(std::int64_t cell) const {
+  /// Where the cell's ray goes through the raster.
+  VOLCAUSTIC_HD RasterPoint pointOf(std::int64_t cell) const {
     double a = 0.5, b = 0.5;
     if (jitter) {
       a = uniform(seed, static_cast<std::uint64_t>(cell), 0);
       b = uniform(seed, static_cast<std::uint64_t>(cell), 1);
     }
-    return rayAt(static_cast<double>(cell % columns) + a, static_cast<double>(cell / columns) + b);
+    return {static_cast<double>(cell % columns) + a, static_cast<double>(cell / columns) + b};
+  }
+  VOLCAUSTIC_HD EmissionRay ray(std::int64_t cell) const {
+    const RasterPoint p = pointOf(cell);
+    return rayAt(p.column, p.row);
   }
   /// The ray through a point of the raster, in cells.
   VOLCAUSTIC_HD EmissionRay rayAt(double column, double row) const {
@@ -56,42 +83,88 @@ struct EmissionFrame {
 
   /// Power of a cell in W.
   VOLCAUSTIC_HD Double3 power(std::int64_t cell) const {
-    const auto column = static_cast<std::int32_t>(cell % columns), row = static_cast<std::int32_t>(cell / columns);
-    return powerOf(column, row, column + 1, row + 1);
+    if (!point) return strength;
+    return strength * solidAngle(u0 + static_cast<double>(cell % columns) * du,
+                                 v0 + static_cast<double>(cell / columns) * dv, du, dv);
   }
-  /// Power of the cells in [column0, column1) x [row0, row1): irradiance times area, or intensity times solid angle
-  /// (van Oosterom and Strackee's formula for a rectangle, as a difference of corner terms).
+  /// Solid angle between the tangent plane's point (0, 0) and a corner of the raster's cells, signed.
+  VOLCAUSTIC_HD double cornerAngle(std::int32_t column, std::int32_t row) const {
+    const double u = u0 + column * du, v = v0 + row * dv;
+    return std::atan2(u * v, std::sqrt(1 + u * u + v * v));
+  }
+  /// Power of the cells in [column0, column1) x [row0, row1): irradiance times area, or intensity times solid angle as
+  /// a difference of corner terms.
   VOLCAUSTIC_HD Double3 powerOf(std::int32_t column0, std::int32_t row0, std::int32_t column1,
                                 std::int32_t row1) const {
     if (!point) return strength * (static_cast<double>(column1 - column0) * (row1 - row0));
-    const double ua = u0 + column0 * du, va = v0 + row0 * dv, ub = u0 + column1 * du, vb = v0 + row1 * dv;
-    const auto corner = [](double u, double v) { return std::atan2(u * v, std::sqrt(1 + u * u + v * v)); };
-    return strength * (corner(ub, vb) - corner(ua, vb) - corner(ub, va) + corner(ua, va));
+    return strength * (cornerAngle(column1, row1) - cornerAngle(column0, row1) - cornerAngle(column1, row0) +
+                       cornerAngle(column0, row0));
   }
 };
-
-/// Distance along o + t d, in [t0, t1], to the first voxel whose step byte says that light bends; 1e300 when there is
-/// none.
-VOLCAUSTIC_HD inline double firstBend(const FlatMedium& m, const Double3& o, const Double3& d, double t0, double t1) {
-  double found = 1e300;
-  traverse(o, d, t0, t1, m.brickDims, 3, [&](const Int3& brick, double in, double out) {
-    if (!m.bends[(brick.x * m.brickDims.y + brick.y) * m.brickDims.z + brick.z]) return true;
-    traverse(o, d, in, out, m.dims, 0, [&](const Int3& voxel, double voxelIn, double) {
-      if (!(m.stepAt(voxel) & kStepBendsBit)) return true;
-      found = voxelIn;
-      return false;
-    });
-    return found == 1e300;
-  });
-  return found;
-}
 
 VOLCAUSTIC_HD inline Double3 transmittance(const Optics& optics, double distance) {
   return {std::exp(-optics.attenuation.x * distance), std::exp(-optics.attenuation.y * distance),
           std::exp(-optics.attenuation.z * distance)};
 }
 
-inline constexpr float kNeverBends = 3.0e38f;
+/// A raster in single precision. Everything is relative to the ray through its middle, at distance depth0 from the
+/// light, so rounding stays below a few ten-thousandths of a voxel however far away the light is.
+struct RasterView {
+  Float3 middle;       ///< that point, grid space
+  Float3 along;        ///< that ray's unit vector
+  Float3 cellU, cellV; ///< what a cell further adds to the point (parallel light), or to `along` before it is unit
+  float middleColumn, middleRow;
+  float depth0;         ///< point light
+  float u0, v0, du, dv; ///< of the frame
+  bool point;
+};
+VOLCAUSTIC_HD inline RasterView rasterView(const EmissionFrame& f) {
+  const double column = 0.5 * f.columns, row = 0.5 * f.rows;
+  const EmissionRay middle = f.rayAt(column, row);
+  const double scale =
+      f.point ? 1 / length(f.axisW + f.axisU * (f.u0 + column * f.du) + f.axisV * (f.v0 + row * f.dv)) : 1;
+  return {Float3(middle.origin + middle.direction * f.depth0),
+          Float3(middle.direction),
+          Float3(f.axisU * (f.du * scale)),
+          Float3(f.axisV * (f.dv * scale)),
+          static_cast<float>(column),
+          static_cast<float>(row),
+          static_cast<float>(f.depth0),
+          static_cast<float>(f.u0),
+          static_cast<float>(f.v0),
+          static_cast<float>(f.du),
+          static_cast<float>(f.dv),
+          f.point};
+}
+
+/// The ray through a point of the raster, in cells.
+template <class F>
+VOLCAUSTIC_HD inline GridRay<F> gridRay(const RasterView& view, F column, F row) {
+  const auto vec = [](const Float3& a) { return Vec3<F>(F(a.x), F(a.y), F(a.z)); };
+  const Vec3<F> across =
+      vec(view.cellU) * (column - F(view.middleColumn)) + vec(view.cellV) * (row - F(view.middleRow));
+  if (!view.point) return GridRay<F>(vec(view.middle) + across, vec(view.along));
+  // The unit vector minus `along`, without their cancellation: 1/sqrt(1 + e) - 1 = -e s^2/(1 + s).
+  const F e = dot(vec(view.along + view.along) + across, across), s = quotient(F(1), squareRoot(F(1) + e));
+  const Vec3<F> turn = across * s - vec(view.along) * quotient(e * s * s, F(1) + s);
+  return GridRay<F>(vec(view.middle) + turn * F(view.depth0), vec(view.along) + turn);
+}
+
+/// The part of a ray inside the domain's box and in front of the light, distances as in the map; empty where exit <=
+/// entry.
+template <class F>
+VOLCAUSTIC_HD inline RaySpan<F> lightSpan(const FlatMedium& m, const RasterView& view, const GridRay<F>& ray) {
+  const RaySpan<F> span = spanInBox(m.dims, ray);
+  return {view.point ? larger(span.entry, F(-view.depth0)) : span.entry, span.exit};
+}
+
+/// Power of the cell whose low corner is given, as a multiple of the frame's strength.
+template <class F>
+VOLCAUSTIC_HD inline F cellShare(const RasterView& view, F column, F row) {
+  if (!view.point) return F(1);
+  return solidAngle(mulAdd(column, F(view.du), F(view.u0)), mulAdd(row, F(view.dv), F(view.v0)), F(view.du),
+                    F(view.dv));
+}
 
 /// Where the rays of a raster can meet a bend: for each tile of kReachTile x kReachTile cells, bounds of the distance
 /// (relative to the frame's depth0) to every brick with bends that the tile's rays may touch. nearest > farthest: none.
@@ -102,31 +175,37 @@ struct RasterReach {
   const float* farthest = nullptr;
 };
 
-/// Cell -> distance of its first bend (relative to frame.depth0; kNeverBends when its light goes straight through or
-/// misses the box). Light on the way there, and light that never bends, is booked here; the rest is PhotonBody's.
+/// One cell for one call, a GPU's thread: distance of its first bend (relative to frame.depth0; kNeverBends when its
+/// light goes straight through or misses the box). Light on the way there, and light that never bends, is booked here;
+/// the rest is PhotonBody's.
 template <class Sink>
 struct EmissionBody {
   FlatMedium medium;
   EmissionFrame frame;
+  RasterView view; ///< of the frame
   RasterReach reach;
   float* entry;
 
   VOLCAUSTIC_HD void operator()(std::int64_t cell, Sink& sink) const {
     entry[cell] = kNeverBends;
-    const EmissionRay ray = frame.ray(cell);
-    const Span span = clipToBox(medium.dims, ray.origin, ray.direction);
-    const double t0 = frame.point ? larger(span.entry, 0.0) : span.entry;
-    if (!(span.exit > t0)) return;
+    const RasterPoint p = frame.pointOf(cell);
+    const GridRay<float> ray = gridRay(view, static_cast<float>(p.column), static_cast<float>(p.row));
+    const RaySpan<float> span = lightSpan(medium, view, ray);
+    if (!(span.exit > span.entry)) return;
 
-    const std::int64_t tile = (cell / frame.columns / kReachTile) * reach.columns + cell % frame.columns / kReachTile;
-    const double from = larger(t0, reach.nearest[tile] + frame.depth0),
-                 to = smaller(span.exit, reach.farthest[tile] + frame.depth0);
-    const double bend = to > from ? firstBend(medium, ray.origin, ray.direction, from, to) : 1e300;
-    const bool straight = bend > span.exit;
-    if (!straight) entry[cell] = static_cast<float>(bend - frame.depth0);
+    const auto column = static_cast<std::int32_t>(cell % frame.columns),
+               row = static_cast<std::int32_t>(cell / frame.columns);
+    const std::int64_t tile = static_cast<std::int64_t>(row / kReachTile) * reach.columns + column / kReachTile;
+    BendSearch<float> search(medium, ray, larger(span.entry, reach.nearest[tile]),
+                             smaller(span.exit, reach.farthest[tile]), true);
+    while (search.goesOn()) search.step(medium, ray);
+    const bool straight = search.found() == kNeverBends;
+    entry[cell] = search.found();
 
-    const Double3 power = frame.power(cell);
-    const Double3 kept = power * transmittance(medium.optics[0], (straight ? span.exit : bend) - t0);
+    const Double3 power =
+        frame.strength * static_cast<double>(cellShare(view, static_cast<float>(column), static_cast<float>(row)));
+    const float way = smaller(search.found(), span.exit) - span.entry;
+    const Double3 kept = power * transmittance(medium.optics[0], way);
     sink.tally(Outcome::Emitted, power);
     tallyLoss(sink, medium.optics[0], power - kept);
     if (straight) sink.tally(Outcome::Escaped, kept);

@@ -29,7 +29,7 @@ inline constexpr int kStepVoxels = 512;
 
 /// Index and its gradient at a voxel centre; one aligned load. Two neighbours along z are one load of 32 bytes.
 struct alignas(16) FieldVoxel {
-  float n = 1, gx = 0, gy = 0, gz = 0;
+  float n, gx, gy, gz;
 };
 
 /// Coefficients in 1/voxel.
@@ -156,6 +156,7 @@ VOLCAUSTIC_HD inline FieldSample<F> sampleField(const FlatMedium& m, const Vec3<
                      clampTo(toInt(q.z), I(0), I(larger(m.dims.z - 2, 0)))};
   const I brick = m.brickIndex(base);
   const I slot = gather(m.fieldSlots, brick);
+  if (!any(slot != I(0))) return {gather(m.indexOffsets, brick) + F(m.ambientIndex), Vec3<F>(F(0))};
   const Vec3<F> t = q - Vec3<F>(toFloat(base.x), toFloat(base.y), toFloat(base.z));
   return withBrickIndex(m, mixCell(m.fields, fieldOffset(slot, base), t), brick, slot);
 }

@@ -1,298 +1,299 @@
 #include "transport/direct.h"
 
-#include "backends/lanes.h"
 #include "core/parallel.h"
-#include "transport/footprint.h"
+#include "transport/emission.h"
+#include "transport/lit_raster.h"
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <limits>
+#include <map>
 
 namespace volcaustic {
 
 namespace {
 
-using kernels::dot;
 using kernels::Double3;
-using kernels::EmissionFrame;
+using kernels::Float3;
 using kernels::Int3;
+using kernels::Lamp;
+using Cover = LitRaster::Cover;
 
-constexpr int kTile = 8; // raster cells along a tile's edge
+constexpr int kTileBricks = 8; // along an axis: what is looked at as a whole first
 
-/// Nearest and farthest first bend over the cells of each tile.
-struct TileDepths {
-  int columns, rows;
-  std::vector<float> nearest, farthest;
-};
-
-TileDepths tileDepths(const EmissionFrame& frame, std::span<const float> entry, const RunContext& ctx) {
-  TileDepths t{(frame.columns + kTile - 1) / kTile, (frame.rows + kTile - 1) / kTile, {}, {}};
-  t.nearest.resize(std::size_t(t.columns) * t.rows);
-  t.farthest.resize(t.nearest.size());
-  parallelFor(t.rows, 4, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (auto ty = begin; ty < end; ++ty)
-      for (int tx = 0; tx < t.columns; ++tx) {
-        float low = kernels::kNeverBends, high = 0;
-        for (auto y = ty * kTile; y < std::min<std::int64_t>((ty + 1) * kTile, frame.rows); ++y)
-          for (int x = tx * kTile; x < std::min((tx + 1) * kTile, frame.columns); ++x) {
-            const float d = entry[y * frame.columns + x];
-            low = std::min(low, d);
-            high = std::max(high, d);
-          }
-        t.nearest[ty * t.columns + tx] = low;
-        t.farthest[ty * t.columns + tx] = high;
-      }
-  });
-  return t;
+Lamp lampOf(const Light& light, const FlatMediumStorage& flat, const Domain& domain) {
+  const bool point = light.type == LightType::Point;
+  const Rgb& power = point ? light.intensity : light.irradiance;
+  const double h = domain.voxelSize;
+  Lamp lamp;
+  lamp.point = point;
+  lamp.strength = Float3(Double3(power[0], power[1], power[2]) * (point ? 1 / (h * h) : 1));
+  if (point)
+    lamp.origin = Float3(toGrid(domain, light.position));
+  else
+    lamp.direction = Float3(kernels::normalize(Double3(light.direction[0], light.direction[1], light.direction[2])));
+  lamp.attenuation = flat.optics[0].attenuation;
+  lamp.clear = kernels::maxComponent(lamp.attenuation) == 0;
+  lamp.box = Float3(flat.dims);
+  return lamp;
 }
 
-class DirectEvaluator {
+/// Sets of lamps, each with a number. Set 0 is all of them.
+class LampSets {
 public:
-  DirectEvaluator(const FlatMediumStorage& flat, const Domain& domain, const Light& light, const EmissionFrame& frame,
-                  std::span<const float> entry, const RunContext& ctx)
-      : mFlat(flat)
-      , mFrame(frame)
-      , mEntry(entry)
-      , mTiles(tileDepths(frame, entry, ctx))
-      , mVoxelSize(domain.voxelSize)
-      , mStrength(light.type == LightType::Point
-                      ? Double3(light.intensity[0], light.intensity[1], light.intensity[2])
-                      : Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2]))
-      , mClear(kernels::maxComponent(flat.optics[0].attenuation) == 0)
-      , mRegular(!frame.jitter && frame.depth0 < 1e5 && frame.cells() <= std::numeric_limits<std::int32_t>::max()) {}
-
-  enum class Cover { Shadow, Lit, Mixed };
-
-  /// Whether a cube of voxels lies wholly before the first bends, wholly behind them, or neither.
-  [[nodiscard]] Cover cover(const Int3& low, int size) const {
-    const Footprint f = footprint(mFrame, Double3(low), size);
-    if (f.empty()) return Cover::Shadow; // another face of the cube around the light sees it
-    bool lit = true, shadow = !frameEdgeCuts(low, size);
-    for (int ty = f.v0 / kTile; ty <= (f.v1 - 1) / kTile && (lit || shadow); ++ty)
-      for (int tx = f.u0 / kTile; tx <= (f.u1 - 1) / kTile; ++tx) {
-        lit = lit && mTiles.nearest[ty * mTiles.columns + tx] >= f.farthest;
-        shadow = shadow && mTiles.farthest[ty * mTiles.columns + tx] <= f.nearest;
-      }
-    if (lit && !frameEdgeCuts(low, size)) return Cover::Lit;
-    return shadow ? Cover::Shadow : Cover::Mixed;
+  explicit LampSets(std::int32_t lamps) {
+    mSets.emplace_back();
+    for (std::int32_t i = 0; i < lamps; ++i) mSets[0].push_back(i);
+    mNumbers[mSets[0]] = 0;
   }
-
-  /// Fraction of the voxel's light that has not met a bend: over the raster's rays that cross it, lit length by length.
-  [[nodiscard]] double litFraction(const Int3& v) const {
-    const Footprint f = footprint(mFrame, Double3(v), 1);
-    if (f.empty()) return centreLit(v);
-    const kernels::LitLengths<double> l = mRegular ? regularLengths(v, f) : anyLengths(v, f);
-    return l.all > 0 ? l.lit / l.all : centreLit(v);
+  /// The set without one of its lamps.
+  std::int32_t without(std::int32_t set, std::int32_t lamp) {
+    const auto [known, isNew] = mWithout.try_emplace({set, lamp}, 0);
+    if (!isNew) return known->second;
+    std::vector<std::int32_t> rest = mSets[set];
+    std::erase(rest, lamp);
+    const auto [number, added] = mNumbers.try_emplace(rest, static_cast<std::int32_t>(mSets.size()));
+    if (added) mSets.push_back(std::move(rest));
+    return known->second = number->second;
   }
-
-  /// Fluence of unobstructed light at the voxel's centre.
-  [[nodiscard]] Double3 fluence(const Int3& v, Double3& direction) const {
-    const Double3 p = Double3(v) + Double3(0.5);
-    Double3 strength = mStrength, origin = p - mFrame.axisW * 1e9;
-    direction = mFrame.axisW;
-    double reach = 1e9;
-    if (mFrame.point) {
-      const Double3 r = p - mFrame.origin;
-      reach = kernels::length(r);
-      direction = reach > 0 ? r * (1 / reach) : mFrame.axisW;
-      origin = mFrame.origin;
-      const double distance = std::max(reach, 0.5) * mVoxelSize; // inside the light's own voxel: at half a voxel
-      strength *= 1 / (distance * distance);
-    }
-    if (mClear) return strength;
-    const kernels::Span s = kernels::clipToBox(mFlat.dims, origin, direction);
-    const double start = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
-    return strength * kernels::transmittance(mFlat.optics[0], std::max(0.0, reach - start));
-  }
-
-  /// Adds the unobstructed light to a brick.
-  void lightBrick(const Int3& low, std::span<Vec3f> fluence, std::span<Vec3f> direction) const {
-    const auto single = [](const Double3& a) { return kernels::Float3(a); };
-    kernels::LampView lamp{single(Double3(low)),
-                           single(Double3(low) - mFrame.origin),
-                           single(mFrame.axisW),
-                           single(mStrength * (mFrame.point ? 1 / (mVoxelSize * mVoxelSize) : 1)),
-                           mFlat.optics[0].attenuation,
-                           kernels::Float3(mFlat.dims),
-                           mFrame.point,
-                           mClear};
-    mLanes.lightBrick(lamp, fluence.data()->data(), direction.data()->data());
-  }
-
-  [[nodiscard]] bool uniformOverBrick() const { return mClear && !mFrame.point; }
+  [[nodiscard]] const std::vector<std::int32_t>& operator[](std::int32_t set) const { return mSets[set]; }
+  [[nodiscard]] std::size_t size() const { return mSets.size(); }
 
 private:
-  /// Rays at the middles of their cells, in lanes.
-  [[nodiscard]] kernels::LitLengths<double> regularLengths(const Int3& v, const Footprint& f) const {
-    const Double3 r = Double3(v) + Double3(0.5) - mFrame.origin;
-    const double depth = dot(r, mFrame.axisW), distance = mFrame.point ? kernels::length(r) : depth;
-    const auto single = [](const Double3& a) { return kernels::Float3(a); };
-    kernels::LitView view{
-        single(mFrame.axisU), single(mFrame.axisV), single(mFrame.axisW), {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-        mFrame.point};
-    if (mFrame.point) {
-      view.towards = single(r * (1 / distance));
-      view.distance = static_cast<float>(distance);
-    }
-    view.u0 = static_cast<float>(mFrame.u0 + (f.u0 + 0.5) * mFrame.du - (mFrame.point ? 0 : dot(r, mFrame.axisU)));
-    view.v0 = static_cast<float>(mFrame.v0 + (f.v0 + 0.5) * mFrame.dv - (mFrame.point ? 0 : dot(r, mFrame.axisV)));
-    view.du = static_cast<float>(mFrame.du);
-    view.dv = static_cast<float>(mFrame.dv);
-    view.shift = static_cast<float>(mFrame.depth0 - distance);
-    view.columns = f.u1 - f.u0;
-    view.cells = view.columns * (f.v1 - f.v0);
-    view.first = f.v0 * mFrame.columns + f.u0;
-    view.mapStride = mFrame.columns;
-    const kernels::LitLengths<float> l = mLanes.litLengths(view, mEntry.data());
-    return {l.all, l.lit};
-  }
-
-  /// Rays anywhere in their cells, in double precision.
-  [[nodiscard]] kernels::LitLengths<double> anyLengths(const Int3& v, const Footprint& f) const {
-    kernels::LitLengths<double> sum{0, 0};
-    for (int y = f.v0; y < f.v1; ++y)
-      for (int x = f.u0; x < f.u1; ++x) {
-        const std::int64_t cell = std::int64_t{y} * mFrame.columns + x;
-        const kernels::EmissionRay ray = mFrame.ray(cell);
-        const kernels::Span s = kernels::clipToBox({1, 1, 1}, ray.origin - Double3(v), ray.direction);
-        const double in = mFrame.point ? std::max(s.entry, 0.0) : s.entry;
-        if (!(s.exit > in)) continue;
-        const double bend = mEntry[cell] == kernels::kNeverBends ? 1e300 : mEntry[cell] + mFrame.depth0;
-        sum.all += s.exit - in;
-        sum.lit += kernels::clampTo(bend - in, 0.0, s.exit - in);
-      }
-    return sum;
-  }
-
-  /// Whether a cube of voxels reaches into another face of the cube around the light.
-  [[nodiscard]] bool frameEdgeCuts(const Int3& low, int size) const {
-    if (!mFrame.cubeFace) return false;
-    for (int i = 0; i < 8; ++i)
-      if (!owns(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0))))
-        return true;
-    return false;
-  }
-
-  /// Whether this face sees the point: the one along the largest coordinate, the first of equals.
-  [[nodiscard]] bool owns(const Double3& p) const {
-    const Double3 r = p - mFrame.origin, size{std::abs(r.x), std::abs(r.y), std::abs(r.z)};
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    return r[axis] * mFrame.axisW[axis] > 0;
-  }
-
-  [[nodiscard]] double centreLit(const Int3& v) const {
-    const Double3 r = Double3(v) + Double3(0.5) - mFrame.origin;
-    double u = dot(r, mFrame.axisU), w = dot(r, mFrame.axisV), depth = dot(r, mFrame.axisW);
-    if (mFrame.point) {
-      if (depth <= 0) return 0;
-      u /= depth;
-      w /= depth;
-      depth = kernels::length(r);
-    }
-    const double column = std::floor((u - mFrame.u0) / mFrame.du), row = std::floor((w - mFrame.v0) / mFrame.dv);
-    if (column < 0 || row < 0 || column >= mFrame.columns || row >= mFrame.rows) return 0;
-    return mEntry[static_cast<std::int64_t>(row) * mFrame.columns + static_cast<std::int64_t>(column)] >=
-           depth - mFrame.depth0;
-  }
-
-public:
-  /// The part of a voxel that this raster sees, in sixty-fourths; over the faces of a cube around a light they add up
-  /// to one.
-  [[nodiscard]] double share(const Int3& v) const {
-    if (!frameEdgeCuts(v, 1)) return 1;
-    int seen = 0;
-    for (int i = 0; i < 64; ++i)
-      seen += owns(Double3(v) + Double3((i & 3) + 0.5, (i >> 2 & 3) + 0.5, (i >> 4) + 0.5) * 0.25);
-    return seen / 64.0;
-  }
-
-private:
-  const FlatMediumStorage& mFlat;
-  const EmissionFrame& mFrame;
-  std::span<const float> mEntry;
-  TileDepths mTiles;
-  double mVoxelSize;
-  Double3 mStrength;
-  bool mClear;
-  bool mRegular; ///< rays at the middles of their cells, near enough for single precision, numbered with 32 bits
-  const LaneSet& mLanes = laneSet("");
+  std::vector<std::vector<std::int32_t>> mSets;
+  std::map<std::vector<std::int32_t>, std::int32_t> mNumbers;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> mWithout;
 };
-
-Vec3f plus(const Vec3f& a, const Double3& b) {
-  return {static_cast<float>(a[0] + b.x), static_cast<float>(a[1] + b.y), static_cast<float>(a[2] + b.z)};
-}
 
 } // namespace
 
-void addDirectLight(DirectLight& direct, const FlatMediumStorage& flat, const Domain& domain, const Light& light,
-                    const EmissionFrame& frame, std::span<const float> entry, const RunContext& ctx) {
-  using Cover = DirectEvaluator::Cover;
-  const DirectEvaluator evaluator(flat, domain, light, frame, entry, ctx);
-  const auto lowOf = [&](std::int64_t b) {
-    const Vec3i c = direct.fluence.brickCoord(b);
-    return Int3{c[0] * kBrickSize, c[1] * kBrickSize, c[2] * kBrickSize};
+class DirectLightBuilder::Impl {
+public:
+  Impl(const FlatMediumStorage& flat, const Domain& domain, std::span<const Light> lights, const RunContext& ctx)
+      : mDims(flat.dims), mBricks(flat.brickDims), mCtx(ctx), mSets(static_cast<std::int32_t>(lights.size())) {
+    for (const Light& light : lights) mLamps.push_back(lampOf(light, flat, domain));
+    const auto bricks = static_cast<std::size_t>(mBricks.x) * mBricks.y * mBricks.z;
+    mSetOf = ZeroedTable<std::int32_t>(bricks);
+    mEdgeOf = ZeroedTable<std::int32_t>(bricks);
+  }
+
+  void add(std::int32_t lamp, const kernels::EmissionFrame& frame, std::span<const float> entry) {
+    const LitRaster raster(frame, entry, mCtx);
+    const std::vector<std::int64_t> mixed = classify(raster, lamp);
+    auto count = static_cast<std::int32_t>(mEdges.size() / kBrickVoxels);
+    for (const std::int64_t b : mixed)
+      if (mEdgeOf[b] == 0) mEdgeOf[b] = ++count;
+    mCtx.requireMemory(std::uint64_t(count) * 2 * kBrickVoxels * sizeof(kernels::Light), "photons: direct light");
+    mEdges.resize(std::size_t(count) * kBrickVoxels);
+    parallelFor(static_cast<std::int64_t>(mixed.size()), 4, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      for (std::int64_t i = begin; i < end; ++i) {
+        kernels::Light* voxels = mEdges.data() + std::size_t(mEdgeOf[mixed[i]] - 1) * kBrickVoxels;
+        const Int3 low = firstVoxel(mixed[i]);
+        std::array<float, kBrickVoxels> parts;
+        raster.litParts(low, parts);
+        for (int k = 0; k < kBrickVoxels; ++k) {
+          if (parts[k] == 0) continue;
+          const Int3 v{low.x + (k >> 6), low.y + ((k >> 3) & 7), low.z + (k & 7)};
+          const kernels::LampLight<float> l = kernels::lampLight<float>(mLamps[lamp], Float3(v) + Float3(0.5f));
+          voxels[k] += kernels::Light{l.fluence, l.direction * kernels::luminance(l.fluence)} * parts[k];
+        }
+      }
+    });
+  }
+
+  void finish(bool smooth, DirectLight& direct) {
+    const std::vector<std::int64_t> stored = smooth ? besideEdges() : edges();
+    direct.stored.reserve(static_cast<std::int64_t>(stored.size()), mCtx);
+    const std::int32_t first = direct.stored.claim(static_cast<std::int32_t>(stored.size()));
+    parallelFor(static_cast<std::int64_t>(stored.size()), 4, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      Neighbourhood around(*this);
+      for (std::int64_t i = begin; i < end; ++i) {
+        const auto slot = first + static_cast<std::int32_t>(i);
+        around.finish(stored[i], smooth, direct.stored.slot(slot).data());
+        direct.stored.assign(stored[i], slot);
+      }
+    });
+    direct.lamps = std::move(mLamps);
+    direct.sets = std::move(mSetOf);
+    direct.setBegins = {0};
+    direct.setLamps.clear();
+    for (std::size_t s = 0; s < mSets.size(); ++s) {
+      const auto& lamps = mSets[static_cast<std::int32_t>(s)];
+      direct.setLamps.insert(direct.setLamps.end(), lamps.begin(), lamps.end());
+      direct.setBegins.push_back(static_cast<std::int32_t>(direct.setLamps.size()));
+    }
+  }
+
+private:
+  [[nodiscard]] std::int64_t brickIndex(const Int3& b) const {
+    return (std::int64_t{b.x} * mBricks.y + b.y) * mBricks.z + b.z;
+  }
+  [[nodiscard]] Int3 brickCoord(std::int64_t b) const {
+    const std::int64_t rest = b / mBricks.z;
+    return {static_cast<std::int32_t>(rest / mBricks.y), static_cast<std::int32_t>(rest % mBricks.y),
+            static_cast<std::int32_t>(b % mBricks.z)};
+  }
+  [[nodiscard]] Int3 firstVoxel(std::int64_t brick) const {
+    const Int3 c = brickCoord(brick);
+    return {c.x * kBrickSize, c.y * kBrickSize, c.z * kBrickSize};
+  }
+  [[nodiscard]] bool inside(const Int3& brick) const {
+    const auto in = [](std::int32_t c, std::int32_t n) { return c >= 0 && c < n; };
+    return in(brick.x, mBricks.x) && in(brick.y, mBricks.y) && in(brick.z, mBricks.z);
+  }
+  /// Calls visit(number, i) for the bricks around and at `brick` that are inside the domain; i counts 3x3x3, z fastest.
+  template <class Visit>
+  void forAround(const Int3& brick, const Visit& visit) const {
+    for (int i = 0; i < 27; ++i) {
+      const Int3 c(brick.x + i / 9 - 1, brick.y + i / 3 % 3 - 1, brick.z + i % 3 - 1);
+      if (inside(c)) visit(brickIndex(c), i);
+    }
+  }
+
+  /// Takes the lamp from the bricks that this raster does not light as a whole, and returns those that it lights in
+  /// part. Tiles of bricks first.
+  std::vector<std::int64_t> classify(const LitRaster& raster, std::int32_t lamp) {
+    const auto tiles = [](std::int32_t n) { return (n + kTileBricks - 1) / kTileBricks; };
+    const Int3 n(tiles(mBricks.x), tiles(mBricks.y), tiles(mBricks.z));
+    struct Found {
+      std::vector<std::int64_t> shadow, mixed;
+    };
+    std::vector<Found> found(std::size_t(n.x) * n.y * n.z);
+    parallelFor(static_cast<std::int64_t>(found.size()), 1, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      for (std::int64_t t = begin; t < end; ++t) {
+        const std::int64_t rest = t / n.z;
+        const Int3 first(static_cast<std::int32_t>(rest / n.y) * kTileBricks,
+                         static_cast<std::int32_t>(rest % n.y) * kTileBricks,
+                         static_cast<std::int32_t>(t % n.z) * kTileBricks);
+        const Cover whole = raster.cover({first.x * 8, first.y * 8, first.z * 8}, kTileBricks * 8);
+        if (whole == Cover::Lit || whole == Cover::Elsewhere) continue;
+        for (int x = first.x; x < std::min(first.x + kTileBricks, mBricks.x); ++x)
+          for (int y = first.y; y < std::min(first.y + kTileBricks, mBricks.y); ++y)
+            for (int z = first.z; z < std::min(first.z + kTileBricks, mBricks.z); ++z) {
+              const Cover c = whole == Cover::Shadow ? whole : raster.cover({8 * x, 8 * y, 8 * z}, 8);
+              if (c == Cover::Shadow) found[t].shadow.push_back(brickIndex({x, y, z}));
+              if (c == Cover::Mixed) found[t].mixed.push_back(brickIndex({x, y, z}));
+            }
+      }
+    });
+    std::vector<std::int64_t> mixed;
+    for (const Found& f : found) {
+      for (const auto* list : {&f.shadow, &f.mixed})
+        for (const std::int64_t b : *list) {
+          if (mSetOf[b] == 0 && mEdgeOf[b] == 0) mShaded.push_back(b);
+          mSetOf[b] = mSets.without(mSetOf[b], lamp);
+        }
+      mixed.insert(mixed.end(), f.mixed.begin(), f.mixed.end());
+    }
+    return mixed;
+  }
+
+  [[nodiscard]] std::vector<std::int64_t> edges() const {
+    std::vector<std::int64_t> edges;
+    for (const std::int64_t b : mShaded)
+      if (mEdgeOf[b] != 0) edges.push_back(b);
+    return edges;
+  }
+  /// Bricks in which light has an edge, bricks beside them, and bricks beside others with other lamps: all that the
+  /// Gaussian changes. Elsewhere light is smooth by itself.
+  [[nodiscard]] std::vector<std::int64_t> besideEdges() const {
+    ZeroedTable<std::uint8_t> known(mSetOf.size());
+    std::vector<std::int64_t> bricks;
+    const auto take = [&](std::int64_t b) {
+      if (!known[b]) bricks.push_back(b);
+      known[b] = 1;
+    };
+    for (const std::int64_t b : mShaded)
+      forAround(brickCoord(b), [&](std::int64_t other, int) {
+        if (mEdgeOf[b] == 0 && mEdgeOf[other] == 0 && mSetOf[b] == mSetOf[other]) return;
+        take(b);
+        take(other);
+      });
+    return bricks;
+  }
+
+  /// A brick's light and that of one voxel around it.
+  class Neighbourhood {
+  public:
+    explicit Neighbourhood(const Impl& impl) : mImpl(impl), mParts(kAroundPadded), mSums(kAroundVoxels * 8) {}
+
+    void finish(std::int64_t brick, bool smooth, kernels::FluenceVoxel* out) {
+      std::fill(mSums.begin(), mSums.end(), 0.0f);
+      const Int3 c = mImpl.brickCoord(brick), low = mImpl.firstVoxel(brick);
+      for (std::int32_t lamp = 0; lamp < static_cast<std::int32_t>(mImpl.mLamps.size()); ++lamp) addLamp(lamp, c, low);
+      mImpl.forAround(c, [&](std::int64_t other, int i) { addEdges(other, i); });
+      kernels::LightSums<float> sums{mSums.data(), nullptr, 0, {}, {}, 1, smooth};
+      for (int a = 0; a < 3; ++a) {
+        sums.from[a] = low[a] == 0 ? 1 : 0;
+        sums.to[a] = std::min(10, mImpl.mDims[a] - low[a] + 1);
+        if (sums.to[a] < 9) std::fill(out, out + kBrickVoxels, kernels::FluenceVoxel{});
+      }
+      mLanes.finishBrick(sums, out);
+    }
+
+  private:
+    /// Voxels of neighbour i of 3x3x3 along an axis: [begin, end) of 0 to 10.
+    struct Range {
+      int begin, end;
+      explicit Range(int i) : begin(i == 0 ? 0 : i == 1 ? 1 : 9), end(i == 0 ? 1 : i == 1 ? 9 : 10) {}
+    };
+    template <class Visit>
+    static void forVoxels(int i, const Visit& visit) {
+      const Range xs(i / 9), ys(i / 3 % 3), zs(i % 3);
+      for (int x = xs.begin; x < xs.end; ++x)
+        for (int y = ys.begin; y < ys.end; ++y)
+          for (int z = zs.begin; z < zs.end; ++z) visit(x, y, z);
+    }
+
+    void addLamp(std::int32_t lamp, const Int3& brick, const Int3& low) {
+      const auto lights = [&](std::int64_t b) {
+        const auto& set = mImpl.mSets[mImpl.mSetOf[b]];
+        return std::binary_search(set.begin(), set.end(), lamp);
+      };
+      std::fill(mParts.begin(), mParts.end(), 1.0f);
+      bool any = false;
+      mImpl.forAround(brick, [&](std::int64_t b, int i) {
+        any = any || lights(b);
+        if (!lights(b)) forVoxels(i, [&](int x, int y, int z) { mParts[(x * 10 + y) * 10 + z] = 0; });
+      });
+      if (any)
+        mLanes.lightAround(mImpl.mLamps[lamp], {low.x - 1, low.y - 1, low.z - 1}, mImpl.mDims, mParts.data(),
+                           mSums.data());
+    }
+
+    void addEdges(std::int64_t other, int i) {
+      if (mImpl.mEdgeOf[other] == 0) return;
+      const kernels::Light* voxels = mImpl.mEdges.data() + std::size_t(mImpl.mEdgeOf[other] - 1) * kBrickVoxels;
+      forVoxels(i, [&](int x, int y, int z) {
+        const kernels::Light& l = voxels[brickOffset(x - 1, y - 1, z - 1)];
+        float* sums = &mSums[(std::size_t(x * 10 + y) * 10 + z) * 8];
+        for (int n = 0; n < 3; ++n) {
+          sums[n] += l.fluence[n];
+          sums[4 + n] += l.towards[n];
+        }
+      });
+    }
+
+    const Impl& mImpl;
+    const LaneSet& mLanes = laneSet("");
+    std::vector<float> mParts, mSums;
   };
 
-  // Whole bricks first; only bricks that vary get voxels.
-  std::vector<Cover> covers(direct.fluence.brickCount());
-  parallelFor(direct.fluence.brickCount(), 256, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t b = begin; b < end; ++b) covers[b] = evaluator.cover(lowOf(b), kBrickSize);
-  });
-  // A number for each sequence of covers, however many rasters there are.
-  direct.covers.resize(covers.size());
-  for (std::size_t b = 0; b < covers.size(); ++b)
-    direct.covers[b] = covers[b] == Cover::Mixed || direct.covers[b] == DirectLight::kEdge
-                           ? DirectLight::kEdge
-                           : direct.covers[b] * 0x100000001b3ull + (covers[b] == Cover::Lit);
-  std::vector<std::int64_t> varying;
-  for (std::int64_t b = 0; b < direct.fluence.brickCount(); ++b) {
-    if (covers[b] == Cover::Shadow) continue;
-    const bool uniform = covers[b] == Cover::Lit && evaluator.uniformOverBrick() && direct.fluence.isConstant(b);
-    if (!uniform) {
-      varying.push_back(b);
-      continue;
-    }
-    Double3 d;
-    const Double3 f = evaluator.fluence(lowOf(b), d);
-    direct.fluence.setConstant(b, plus(direct.fluence.constant(b), f));
-    direct.direction.setConstant(b, plus(direct.direction.constant(b), d * kernels::luminance(f)));
-  }
-  ctx.requireMemory(varying.size() * 2 * kBrickVoxels * sizeof(Vec3f), "photons: direct light");
-  std::vector<std::int64_t> fresh;
-  std::copy_if(varying.begin(), varying.end(), std::back_inserter(fresh),
-               [&](std::int64_t b) { return direct.fluence.isConstant(b); });
-  std::vector<char> isFresh(covers.size());
-  for (const std::int64_t b : fresh) isFresh[b] = 1;
-  direct.fluence.activate(fresh, Fill::Later);
-  direct.direction.activate(fresh, Fill::Later);
+  Int3 mDims, mBricks;
+  const RunContext& mCtx;
+  std::vector<Lamp> mLamps;
+  LampSets mSets;
+  ZeroedTable<std::int32_t> mSetOf;   ///< of each brick: the lamps whose light it has as a whole
+  ZeroedTable<std::int32_t> mEdgeOf;  ///< of each brick: where in mEdges it is, from 1 on
+  std::vector<kernels::Light> mEdges; ///< 512 for each brick with an edge: what lamps light of it in part
+  std::vector<std::int64_t> mShaded;  ///< bricks that some lamp does not light as a whole
+};
 
-  parallelFor(static_cast<std::int64_t>(varying.size()), 8, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      const std::int64_t b = varying[i];
-      const auto fluence = direct.fluence.voxels(b), direction = direct.direction.voxels(b);
-      const Int3 low = lowOf(b);
-      if (isFresh[b]) {
-        std::fill(fluence.begin(), fluence.end(), direct.fluence.constant(b));
-        std::fill(direction.begin(), direction.end(), direct.direction.constant(b));
-      }
-      if (covers[b] == Cover::Lit) {
-        evaluator.lightBrick(low, fluence, direction);
-        continue;
-      }
-      for (int k = 0; k < kBrickVoxels; ++k) {
-        const Int3 v{low.x + (k >> 6), low.y + ((k >> 3) & 7), low.z + (k & 7)};
-        const double share = evaluator.share(v);
-        if (share == 0) continue;
-        const double lit = share * evaluator.litFraction(v);
-        if (lit == 0) continue;
-        Double3 d;
-        const Double3 f = evaluator.fluence(v, d) * lit;
-        fluence[k] = plus(fluence[k], f);
-        direction[k] = plus(direction[k], d * kernels::luminance(f));
-      }
-    }
-  });
+DirectLightBuilder::DirectLightBuilder(const FlatMediumStorage& flat, const Domain& domain,
+                                       std::span<const Light> lights, const RunContext& ctx)
+    : mImpl(std::make_unique<Impl>(flat, domain, lights, ctx)) {}
+DirectLightBuilder::~DirectLightBuilder() = default;
+void DirectLightBuilder::add(int light, const kernels::EmissionFrame& frame, std::span<const float> entry) {
+  mImpl->add(light, frame, entry);
 }
+void DirectLightBuilder::finish(bool smooth, DirectLight& direct) { mImpl->finish(smooth, direct); }
 
 } // namespace volcaustic

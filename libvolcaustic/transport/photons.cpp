@@ -3,13 +3,13 @@
 #include "volcaustic/photons.h"
 
 #include "backends/photon_tracer.h"
-#include "core/parallel.h"
+#include "core/large_memory.h"
+#include "transport/caustic.h"
 #include "transport/direct.h"
 #include "transport/emission.h"
 #include "transport/march_rules.h"
 #include "transport/passes.h"
 #include "transport/reach.h"
-#include "transport/smooth.h"
 #include "transport/tracers.h"
 #include "volcaustic/error.h"
 #include "volume/radiance_bricks.h"
@@ -61,8 +61,7 @@ public:
       , mFrames(allFrames())
       , mScale(fixedPoint(mFrames))
       , mTracer(makeTracer({flat.view(), rules(), mScale}, tracerContext(), std::move(state)))
-      , mDirect{
-            BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), BrickGrid<Vec3f>(medium.domain().dims, {0, 0, 0}), {}} {}
+      , mDirect(flat, medium.domain(), lights, ctx) {}
 
   PhotonResult run() {
     for (std::size_t i = 0; i < mFrames.size(); ++i) traceFrame(static_cast<int>(i));
@@ -84,8 +83,8 @@ private:
   void traceFrame(int number) {
     const auto& [light, frame] = mFrames[number];
     mCtx.requireMemory(static_cast<std::uint64_t>(frame.cells()) * sizeof(float), "photons.grid");
-    std::vector<float> entry(frame.cells());
-    const ReachMap reach = timed("reach", [&] { return reachOf(mFlat, frame); });
+    std::vector<float, UninitialisedAllocator<float>> entry(frame.cells()); // emission writes every cell
+    const ReachMap reach = timed("reach", [&] { return reachOf(mFlat, frame, mCtx); });
     constexpr std::int64_t kStripCells = 1 << 22;
     const std::int64_t tiles = std::max<std::int64_t>(kStripCells / frame.columns / kernels::kReachTile, 1);
     const auto strip = static_cast<std::int32_t>(std::min<std::int64_t>(tiles * kernels::kReachTile, frame.rows));
@@ -97,8 +96,7 @@ private:
       timed("emission", [&] { mTracer->emit(frame, reach.view(), rows, entry.data()); });
       timed("photons", [&] { mTracer->trace(frame, rows, entry.data()); });
     }
-    timed("direct light",
-          [&] { addDirectLight(mDirect, mFlat, mMedium.domain(), mLights[light], frame, entry, mCtx); });
+    timed("direct light", [&] { mDirect.add(light, frame, entry); });
   }
 
   /// The caller's, with progress over all rasters and strips.
@@ -135,205 +133,20 @@ private:
     return {marchRules(mOptions), mOptions.maxSteps, static_cast<float>(mOptions.cutoff), mOptions.roulette, mCtx.seed};
   }
 
-  /// Fixed-point sums to fluence, block by block; the caustic's direction sums go to `direction`. Returns what the
-  /// medium takes of that light, W.
-  Rgb merge(BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) {
-    const std::vector<BlockOfBricks> blocks = touchedBlocks(caustic);
-    // Some blocks at a time: what bricks of a block are lit is known when its sums are.
-    const auto group = std::max<std::int64_t>(64, std::int64_t{16} * threadCount(mCtx));
-    std::vector<BrickLight, UninitialisedAllocator<BrickLight>> found(group * kBlockBricks);
-    std::vector<char> lit(found.size());
-    Rgb loss{0, 0, 0};
-    for (std::int64_t first = 0; first < static_cast<std::int64_t>(blocks.size()); first += group) {
-      const std::int64_t count = std::min(group, static_cast<std::int64_t>(blocks.size()) - first);
-      std::vector<Rgb> losses(count);
-      std::fill(lit.begin(), lit.end(), 0);
-      parallelFor(count, 1, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-        BlockSums sums;
-        for (std::int64_t i = begin; i < end; ++i) {
-          const BlockOfBricks& block = blocks[first + i];
-          sums.clear();
-          mTracer->addBlock(block.number, sums);
-          for (std::size_t k = 0; k < block.bricks.size(); ++k) {
-            const std::size_t at = i * kBlockBricks + k;
-            lit[at] = mergeBrick(caustic.brickCoord(block.bricks[k]), sums, found[at], losses[i]);
-          }
-        }
-      });
-      for (const Rgb& l : losses)
-        for (int c = 0; c < 3; ++c) loss[c] += l[c];
-      storeLit(std::span(blocks).subspan(first, count), found, lit, caustic, direction);
-    }
-    return loss;
-  }
-
-  /// Light and its direction sums in a brick.
-  struct BrickLight {
-    std::array<Vec3f, kBrickVoxels> light, towards;
-  };
-  static constexpr std::int64_t kBlockBricks = kBlockVoxels / kBrickVoxels;
-
-  struct BlockOfBricks {
-    std::int64_t number;
-    std::vector<std::int64_t> bricks; ///< inside the domain
-  };
-
-  [[nodiscard]] std::vector<BlockOfBricks> touchedBlocks(const BrickGrid<Vec3f>& grid) const {
-    constexpr int kEdge = kBlockEdge / kBrickSize;
-    const kernels::Int3 count = blockDims(mFlat.dims);
-    std::vector<BlockOfBricks> blocks;
-    std::int64_t number = 0;
-    for (int x = 0; x < count.x; ++x)
-      for (int y = 0; y < count.y; ++y)
-        for (int z = 0; z < count.z; ++z, ++number) {
-          if (!mTracer->touched(number)) continue;
-          BlockOfBricks block{number, {}};
-          for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
-            const Vec3i brick{x * kEdge + i / (kEdge * kEdge), y * kEdge + i / kEdge % kEdge, z * kEdge + i % kEdge};
-            const Vec3i& n = grid.brickDims();
-            if (brick[0] < n[0] && brick[1] < n[1] && brick[2] < n[2]) block.bricks.push_back(grid.brickIndex(brick));
-          }
-          blocks.push_back(std::move(block));
-        }
-    return blocks;
-  }
-
-  /// Gives the bricks with light their voxels in the grids.
-  void storeLit(std::span<const BlockOfBricks> blocks, std::span<const BrickLight> found, std::span<const char> lit,
-                BrickGrid<Vec3f>& caustic, BrickGrid<Vec3f>& direction) const {
-    std::vector<std::int64_t> bricks, from;
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      for (std::size_t k = 0; k < blocks[i].bricks.size(); ++k)
-        if (const std::size_t at = i * kBlockBricks + k; lit[at]) {
-          bricks.push_back(blocks[i].bricks[k]);
-          from.push_back(static_cast<std::int64_t>(at));
-        }
-    mCtx.requireMemory((caustic.activeBrickCount() + bricks.size()) * sizeof(BrickLight) +
-                           mDirect.fluence.memoryBytes() + mDirect.direction.memoryBytes(),
-                       "photons: caustic light");
-    caustic.activate(bricks, Fill::Later);
-    direction.activate(bricks, Fill::Later);
-    parallelFor(static_cast<std::int64_t>(bricks.size()), 32, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      for (std::int64_t i = begin; i < end; ++i) {
-        const BrickLight& b = found[from[i]];
-        std::copy(b.light.begin(), b.light.end(), caustic.voxels(bricks[i]).begin());
-        std::copy(b.towards.begin(), b.towards.end(), direction.voxels(bricks[i]).begin());
-      }
-    });
-  }
-
-  /// Fluence of one brick, and what the medium takes of it; false when it holds no light.
-  bool mergeBrick(const Vec3i& c, const BlockSums& sums, BrickLight& out, Rgb& loss) const {
-    // Sums are W*voxel; fluence is their world length over the voxel's volume. Attenuation is in 1/voxel: its part of
-    // W*voxel is W.
-    const double h = mMedium.domain().voxelSize, watts = 1 / mScale.deposit, unit = watts / (h * h);
-    const kernels::FlatMedium flat = mFlat.view();
-    bool lit = false;
-    const std::int32_t* low = sums.lowOnly();
-    for (int k = 0; k < kBrickVoxels; ++k) {
-      const int x = c[0] * 8 + (k >> 6), y = c[1] * 8 + ((k >> 3) & 7), z = c[2] * 8 + (k & 7);
-      const int voxel = blockOffset(x, y, z);
-      const std::int32_t* l = low + std::size_t(voxel) * 8;
-      const VoxelSums s = low ? VoxelSums{l[0], l[1], l[2], l[4], l[5], l[6]} : sums.at(voxel);
-      for (int i = 0; i < 3; ++i) {
-        out.light[k][i] = static_cast<float>(static_cast<double>(s[i]) * unit);
-        out.towards[k][i] = static_cast<float>(static_cast<double>(s[3 + i]) * unit);
-      }
-      if ((s[0] | s[1] | s[2]) == 0) continue;
-      lit = true;
-      if (!flat.attenuates) continue;
-      const kernels::Float3 a = flat.opticsAt({x, y, z}).attenuation;
-      for (int i = 0; i < 3; ++i) loss[i] += static_cast<double>(a[i]) * static_cast<double>(s[i]) * watts;
-    }
-    return lit;
-  }
-
   PhotonResult finish() {
-    const Vec3i& dims = mMedium.domain().dims;
-    auto bricks = std::make_shared<RadianceBricks>();
-    bricks->caustic = BrickGrid<Vec3f>(dims, {0, 0, 0});
-    BrickGrid<Vec3f> causticDirection(dims, {0, 0, 0});
+    const Domain& domain = mMedium.domain();
+    auto light = std::make_shared<RadianceBricks>(domain.dims);
+    timed("direct light", [&] { mDirect.finish(mOptions.smooth, light->direct); });
     timed("sorting far light", [&] { mTracer->finish(); });
-    const Rgb depositedLoss = timed("sums", [&] { return merge(bricks->caustic, causticDirection); });
+    const Rgb depositedLoss = timed("caustic light", [&] {
+      RunContext ctx = mCtx; // what the sums and direct light take already is no longer free
+      const std::uint64_t limit = mCtx.effectiveMemoryLimit();
+      ctx.memoryLimit = limit - std::min(limit - 1, mTracer->peakBytes() + light->direct.stored.memoryBytes());
+      return gatherCaustic(*mTracer, mFlat, domain.voxelSize, mScale, mOptions.smooth, light->caustic, ctx);
+    });
     EnergyBalance balance = balanceOfTallies();
     balance.depositedLoss = depositedLoss;
-    const std::uint64_t sumsBytes = mTracer->peakBytes();
-    mTracer.reset();
-
-    // All that is held from here on at once: these four, the mean direction, and one grid more while it is smoothed.
-    mCtx.requireMemory(3 * bricks->caustic.memoryBytes() + causticDirection.memoryBytes() +
-                           2 * mDirect.fluence.memoryBytes() + mDirect.direction.memoryBytes(),
-                       "photons: light volumes");
-    if (mOptions.smooth)
-      timed("smoothing", [&] {
-        bricks->caustic = smoothed(bricks->caustic, mCtx);
-        causticDirection = smoothed(causticDirection, mCtx);
-        const std::vector<std::int64_t> edges = directEdges();
-        smoothSome(mDirect.fluence, edges, mCtx);
-        smoothSome(mDirect.direction, edges, mCtx);
-      });
-    bricks->direct = std::move(mDirect.fluence);
-    timed("direction", [&] { bricks->direction = meanDirection(*bricks, causticDirection, mDirect.direction); });
-    return {RadianceVolume(mMedium.domain(), bricks), balance, std::move(mParts), sumsBytes};
-  }
-
-  /// Bricks where direct light has an edge, or neighbours that see other lights. Elsewhere it is smooth by itself.
-  [[nodiscard]] std::vector<std::int64_t> directEdges() const {
-    const BrickGrid<Vec3f>& grid = mDirect.fluence;
-    const Vec3i n = grid.brickDims();
-    std::vector<std::int64_t> edges;
-    if (mDirect.covers.empty()) return edges;
-    for (std::int64_t b = 0; b < grid.brickCount(); ++b) {
-      const Vec3i c = grid.brickCoord(b);
-      bool edge = mDirect.covers[b] == DirectLight::kEdge;
-      for (int i = 0; i < 27 && !edge; ++i) {
-        const Vec3i o{c[0] + i / 9 - 1, c[1] + i / 3 % 3 - 1, c[2] + i % 3 - 1};
-        if (o[0] < 0 || o[1] < 0 || o[2] < 0 || o[0] >= n[0] || o[1] >= n[1] || o[2] >= n[2]) continue;
-        edge = mDirect.covers[grid.brickIndex(o)] != mDirect.covers[b];
-      }
-      if (edge) edges.push_back(b);
-    }
-    return edges;
-  }
-
-  /// (sum of luminance * direction) / (sum of luminance) over both parts of the light.
-  [[nodiscard]] BrickGrid<Vec3f> meanDirection(const RadianceBricks& light, const BrickGrid<Vec3f>& causticSum,
-                                               const BrickGrid<Vec3f>& directSum) const {
-    BrickGrid<Vec3f> mean(light.caustic.dims(), {0, 0, 0});
-    const auto divide = [](const Vec3f& a, const Vec3f& b, const Vec3f& fa, const Vec3f& fb) -> Vec3f {
-      const float l = kernels::luminance(kernels::Float3(fa[0] + fb[0], fa[1] + fb[1], fa[2] + fb[2]));
-      if (!(l > 0)) return {0, 0, 0};
-      const kernels::Float3 d(kernels::Float3(a[0] + b[0], a[1] + b[1], a[2] + b[2]) * (1 / l));
-      const float squared = kernels::dot(d, d);
-      const float s = squared > 1 ? 1 / std::sqrt(squared) : 1; // rounding may carry a beam beyond 1
-      return {d.x * s, d.y * s, d.z * s};
-    };
-    // A brick as a step through its voxels, or no step through its one value.
-    struct Brick {
-      const Vec3f* values;
-      int step;
-      Brick(const BrickGrid<Vec3f>& g, std::int64_t b)
-          : values(g.isConstant(b) ? &g.constant(b) : g.voxels(b).data()), step(g.isConstant(b) ? 0 : 1) {}
-      const Vec3f& operator[](int k) const { return values[k * step]; }
-    };
-    std::vector<std::int64_t> varying;
-    for (std::int64_t b = 0; b < mean.brickCount(); ++b)
-      if (causticSum.isConstant(b) && directSum.isConstant(b) && light.caustic.isConstant(b) &&
-          light.direct.isConstant(b))
-        mean.setConstant(b, divide(causticSum.constant(b), directSum.constant(b), light.caustic.constant(b),
-                                   light.direct.constant(b)));
-      else
-        varying.push_back(b);
-    mean.activate(varying, Fill::Later);
-    parallelFor(static_cast<std::int64_t>(varying.size()), 16, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      for (std::int64_t i = begin; i < end; ++i) {
-        const Brick a(causticSum, varying[i]), b(directSum, varying[i]), fa(light.caustic, varying[i]),
-            fb(light.direct, varying[i]);
-        const auto out = mean.voxels(varying[i]);
-        for (int k = 0; k < kBrickVoxels; ++k) out[k] = divide(a[k], b[k], fa[k], fb[k]);
-      }
-    });
-    return mean;
+    return {RadianceVolume(domain, std::move(light)), balance, std::move(mParts), mTracer->peakBytes()};
   }
 
   [[nodiscard]] EnergyBalance balanceOfTallies() const {
@@ -371,7 +184,7 @@ private:
   double mTraced = 0, mTracing = 1; ///< fractions of all rows: done, and in the strip that is traced
   std::vector<PassPart> mParts;
   std::unique_ptr<PhotonTracer> mTracer;
-  DirectLight mDirect;
+  DirectLightBuilder mDirect;
 };
 
 void check(const PhotonOptions& o) {

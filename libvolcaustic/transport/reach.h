@@ -18,6 +18,6 @@ struct ReachMap {
 };
 
 /// Marks the tiles of the raster that bricks with bends stand in, and how far away these are.
-ReachMap reachOf(const FlatMediumStorage& flat, const kernels::EmissionFrame& frame);
+ReachMap reachOf(const FlatMediumStorage& flat, const kernels::EmissionFrame& frame, const RunContext& ctx = {});
 
 } // namespace volcaustic

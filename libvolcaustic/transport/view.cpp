@@ -1,17 +1,17 @@
-// The camera pass: sets up the pinhole in grid space, runs one body a pixel, sorts the sums into layers
+// The camera pass: sets up the pinhole in grid space and the picture's layers, and has them filled
 // (docs/algorithms/view.md).
 
 #include "volcaustic/view.h"
 
-#include "backends/cpu.h"
-#include "kernels/view.h"
+#include "backends/cpu_view.h"
+#include "backends/devices.h"
+#include "core/parallel.h"
 #include "transport/emission.h"
 #include "transport/passes.h"
 #include "volcaustic/error.h"
 #include "volume/radiance_bricks.h"
 
 #include <cmath>
-#include <limits>
 
 namespace volcaustic {
 
@@ -20,14 +20,7 @@ namespace {
 using kernels::Double3;
 using kernels::Float3;
 
-constexpr std::int64_t kPixelGrain = 256;
 constexpr double kDegree = 3.14159265358979323846 / 180;
-
-/// The view pass deposits nothing; it counts.
-struct CountingSink {
-  std::array<std::int64_t, static_cast<int>(kernels::Counter::Count)> counts{};
-  void count(kernels::Counter c, std::int64_t n) { counts[static_cast<int>(c)] += n; }
-};
 
 Double3 vec(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 Float3 rgb(const Rgb& c) { return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])}; }
@@ -61,15 +54,6 @@ kernels::CameraFrame cameraFrame(const Camera& c, const Domain& domain) {
           c.resolution[1]};
 }
 
-kernels::SparseField sparseField(const BrickGrid<Vec3f>& g) {
-  const auto floats = [](std::span<const Vec3f> s) { return s.empty() ? nullptr : s.data()->data(); };
-  return {{g.dims()[0], g.dims()[1], g.dims()[2]},
-          {g.brickDims()[0], g.brickDims()[1], g.brickDims()[2]},
-          g.slots().data(),
-          floats(g.constants()),
-          floats(g.storage())};
-}
-
 kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOptions& o, double cameraIndex,
                              double ambientIndex) {
   kernels::ViewRules r;
@@ -84,46 +68,28 @@ kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOpt
   return r;
 }
 
-/// Writes a colour into the planes NAME.R, NAME.G and NAME.B.
-class Layer {
-public:
-  Layer(Image& image, const std::string& prefix) : mFirst(image.channels.size()), mImage(image) {
-    for (const char* c : {"R", "G", "B"}) image.add(prefix + c);
-  }
-  void set(std::size_t pixel, const Float3& v) {
-    for (int c = 0; c < 3; ++c) mImage.planes[mFirst + c][pixel] = v[c];
-  }
-
-private:
-  std::size_t mFirst;
-  Image& mImage;
-};
-
-Image toImage(std::span<const kernels::PixelSum> pixels, const Camera& camera, double voxelSize) {
+/// A picture of kernels::PixelPlanes' planes, all zero; most of what that costs is memory's first touch.
+Image emptyImage(const Camera& camera, const RunContext& ctx) {
   Image image;
   image.width = camera.resolution[0];
   image.height = camera.resolution[1];
-  Layer beauty(image, "");
-  const std::size_t alpha = image.channels.size();
-  image.add("A");
-  Layer caustic(image, "caustic."), direct(image, "direct."), background(image, "background."),
-      transmittance(image, "transmittance.");
-  const std::size_t depth = image.channels.size();
-  image.add("depth.Z");
-  image.add("steps.Y");
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const kernels::PixelSum& p = pixels[i];
-    beauty.set(i, p.caustic + p.direct + p.background);
-    image.planes[alpha][i] = 1 - (p.transmittance.x + p.transmittance.y + p.transmittance.z) / 3;
-    caustic.set(i, p.caustic);
-    direct.set(i, p.direct);
-    background.set(i, p.background);
-    transmittance.set(i, p.transmittance);
-    image.planes[depth][i] =
-        p.depth < 1e38f ? p.depth * static_cast<float>(voxelSize) : std::numeric_limits<float>::infinity();
-    image.planes[depth + 1][i] = p.steps;
-  }
+  image.channels = {"R", "G", "B", "A"};
+  for (const char* layer : {"caustic", "direct", "background", "transmittance"})
+    for (const char* channel : {".R", ".G", ".B"}) image.channels.push_back(std::string(layer) + channel);
+  image.channels.insert(image.channels.end(), {"depth.Z", "steps.Y"});
+  image.planes.resize(image.channels.size());
+  parallelFor(static_cast<std::int64_t>(image.planes.size()), 1, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t i = begin; i < end; ++i)
+      image.planes[i].resize(static_cast<std::size_t>(image.width) * image.height);
+  });
   return image;
+}
+
+kernels::PixelPlanes planesOf(Image& image, double voxelSize) {
+  kernels::PixelPlanes planes;
+  for (int i = 0; i < kernels::kPixelPlanes; ++i) planes.of[i] = image.planes[i].data();
+  planes.voxelSize = static_cast<float>(voxelSize);
+  return planes;
 }
 
 } // namespace
@@ -132,33 +98,23 @@ ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const
                       const Camera& camera, const Background& background, const ViewOptions& options,
                       const RunContext& ctx) {
   check(camera, options);
-  const std::int64_t count = std::int64_t{camera.resolution[0]} * camera.resolution[1];
-  ctx.requireMemory(static_cast<std::uint64_t>(count) * (sizeof(kernels::PixelSum) + 18 * sizeof(float)),
+  ctx.requireMemory(std::uint64_t{kernels::kPixelPlanes} * camera.resolution[0] * camera.resolution[1] * sizeof(float),
                     "camera.resolution");
+  const LaneSet& lanes = laneSet(parseDevice(ctx.device).lanes);
   const kernels::CameraFrame frame = cameraFrame(camera, medium.domain());
   const double ambient = medium.ambient().index;
   const Float3 eye(frame.origin);
   const double cameraIndex = kernels::insideBox(flat.dims, eye) ? kernels::sampleField(flat.view(), eye).n : ambient;
-
-  std::vector<kernels::PixelSum> pixels(count);
-  std::vector<CountingSink> sinks(threadCount(ctx));
   const RadianceBricks& light = radiance.bricks();
-  const kernels::ViewBody<CountingSink> body{flat.view(),
-                                             sparseField(light.direct),
-                                             sparseField(light.caustic),
-                                             sparseField(light.direction),
-                                             frame,
-                                             viewRules(camera, background, options, cameraIndex, ambient),
-                                             pixels.data()};
-  launchCpu(count, kPixelGrain, ctx, "view", body, std::span(sinks));
+  const kernels::ViewScene scene{flat.view(), light.direct.view(), light.caustic.view(), frame,
+                                 viewRules(camera, background, options, cameraIndex, ambient)};
 
   ViewResult result;
-  result.image = toImage(pixels, camera, medium.domain().voxelSize);
-  for (const CountingSink& s : sinks) {
-    result.steps += s.counts[static_cast<int>(kernels::Counter::Steps)];
-    result.raysNotFinite += s.counts[static_cast<int>(kernels::Counter::NotFinite)];
-    result.raysAtStepLimit += s.counts[static_cast<int>(kernels::Counter::StepLimit)];
-  }
+  result.image = emptyImage(camera, ctx);
+  const ViewCounts counts = viewOnCpu(scene, planesOf(result.image, medium.domain().voxelSize), lanes, ctx);
+  result.steps = counts.steps;
+  result.raysNotFinite = counts.notFinite;
+  result.raysAtStepLimit = counts.stepLimit;
   return result;
 }
 

@@ -1,346 +1,190 @@
 #include "volume/flatten.h"
 
+#include "core/brick_set.h"
 #include "core/parallel.h"
 #include "volcaustic/error.h"
 #include "volume/grids.h"
+#include "volume/index_field.h"
+#include "volume/optics_palette.h"
+#include "volume/step_labels.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <unordered_map>
 
 namespace volcaustic {
 
 namespace {
 
 using kernels::FieldVoxel;
-using kernels::Float3;
-using kernels::Int3;
-using kernels::Optics;
 
-// Changes of n under this between voxels are rounding, not refraction: a ray that meets it all along 256 voxels turns
-// by 0.015 degrees.
-constexpr float kFlat = 1e-6f;
+Vec3f toFloat(const Rgb& c) { return {float(c[0]), float(c[1]), float(c[2])}; }
 
-/// n over a brick and its surroundings. Beyond the domain's faces n goes on as it came (odd reflection about the face's
-/// voxel), so that a gradient across the box stays what it is up to the face.
-constexpr int kLow = 3, kHigh = 4, kBlock = kBrickSize + kLow + kHigh;
-class IndexBlock {
-public:
-  void gather(const BrickGrid<float>& index, const Vec3i& origin) {
-    for (int x = 0; x < kBlock; ++x)
-      for (int y = 0; y < kBlock; ++y)
-        for (int z = 0; z < kBlock; ++z) {
-          const Vec3i v{origin[0] + x - kLow, origin[1] + y - kLow, origin[2] + z - kLow};
-          mValues[(x * kBlock + y) * kBlock + z] = extended(index, v);
-        }
-  }
-  /// Coordinates relative to the brick, from -3 to 11.
-  [[nodiscard]] float at(int x, int y, int z) const {
-    return mValues[((x + kLow) * kBlock + y + kLow) * kBlock + z + kLow];
-  }
-  [[nodiscard]] const float* data() const { return mValues.data(); }
-  [[nodiscard]] bool flat() const {
-    const auto [low, high] = std::minmax_element(mValues.begin(), mValues.end());
-    return *high - *low < kFlat;
-  }
-
-private:
-  static float extended(const BrickGrid<float>& index, const Vec3i& v) {
-    const Vec3i d = index.dims();
-    Vec3i face, mirror;
-    bool outside = false;
-    for (int a = 0; a < 3; ++a) {
-      face[a] = std::clamp(v[a], 0, d[a] - 1);
-      mirror[a] = std::clamp(2 * face[a] - v[a], 0, d[a] - 1);
-      outside = outside || face[a] != v[a];
-    }
-    const float n = index.at(face[0], face[1], face[2]);
-    return outside ? 2 * n - index.at(mirror[0], mirror[1], mirror[2]) : n;
-  }
-
-  std::array<float, kBlock * kBlock * kBlock> mValues;
-};
-
-/// Turns samples of n into what trilinear interpolation should be given (docs/algorithms/step_field.md, "Field").
-///
-/// Between samples f, linear interpolation lies above a convex function by h^2 f''/12 on average. Taking that off the
-/// samples, f - (second difference)/12 along each axis, leaves an error that alternates in sign along a path instead of
-/// adding up. The gradient is the central difference of fourth order, (8 (f1 - f-1) - (f2 - f-2))/12, treated in the
-/// same way.
-class FieldFilter {
-public:
-  void run(const IndexBlock& block, FieldVoxel* out) {
-    apply(block, {value, value, value}, out, &FieldVoxel::n);
-    apply(block, {slope, value, value}, out, &FieldVoxel::gx);
-    apply(block, {value, slope, value}, out, &FieldVoxel::gy);
-    apply(block, {value, value, slope}, out, &FieldVoxel::gz);
-  }
-
-private:
-  /// One tap at p[0] from p[-3 stride] to p[3 stride]. Written in differences, so that a constant gives itself and a
-  /// slope of exactly zero.
-  using Tap = float (*)(const float* p, int stride);
-  static float value(const float* p, int s) { return p[0] - ((p[s] - p[0]) + (p[-s] - p[0])) * (1 / 12.f); }
-  static float slope(const float* p, int s) {
-    return ((p[s] - p[-s]) * 113 - (p[2 * s] - p[-2 * s]) * 22 + (p[3 * s] - p[-3 * s])) * (1 / 144.f);
-  }
-
-  static constexpr int kEdge = kernels::kFieldEdge, kPlane = kBlock * kBlock;
-
-  void apply(const IndexBlock& block, const std::array<Tap, 3>& taps, FieldVoxel* out, float FieldVoxel::*member) {
-    for (int x = 0; x < kEdge; ++x)
-      for (int yz = 0; yz < kPlane; ++yz)
-        mAfterX[x * kPlane + yz] = taps[0](block.data() + (x + kLow) * kPlane + yz, kPlane);
-    for (int x = 0; x < kEdge; ++x)
-      for (int y = 0; y < kEdge; ++y)
-        for (int z = 0; z < kBlock; ++z)
-          mAfterY[(x * kEdge + y) * kBlock + z] = taps[1](&mAfterX[x * kPlane + (y + kLow) * kBlock + z], kBlock);
-    for (int row = 0; row < kEdge * kEdge; ++row)
-      for (int z = 0; z < kEdge; ++z) out[row * kEdge + z].*member = taps[2](&mAfterY[row * kBlock + z + kLow], 1);
-  }
-
-  std::array<float, kEdge * kPlane> mAfterX;
-  std::array<float, kEdge * kEdge * kBlock> mAfterY;
-};
+OpticsGrids opticsOf(const Medium& medium, const RunContext& ctx) {
+  const Vec3i& dims = medium.domain().dims;
+  const MediumGrids& grids = medium.grids();
+  const Ambient& ambient = medium.ambient();
+  const auto asymmetry = static_cast<float>(ambient.asymmetry);
+  return {fromVec3Grid(*grids.attenuation, dims, toFloat(ambient.attenuation), ctx),
+          fromVec3Grid(*grids.scattering, dims, toFloat(ambient.scattering), ctx),
+          grids.asymmetry ? fromFloatGrid(*grids.asymmetry, dims, asymmetry, ctx) : BrickGrid<float>(dims, asymmetry)};
+}
 
 class Flattener {
 public:
   Flattener(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx)
-      : mDomain(medium.domain())
-      , mCtx(ctx)
-      , mIndex(fromFloatGrid(*medium.grids().index, mDomain.dims, ctx))
-      , mAttenuation(fromVec3Grid(*medium.grids().attenuation, mDomain.dims, ctx))
-      , mScattering(fromVec3Grid(*medium.grids().scattering, mDomain.dims, ctx))
-      , mAsymmetry(medium.grids().asymmetry
-                       ? fromFloatGrid(*medium.grids().asymmetry, mDomain.dims, ctx)
-                       : BrickGrid<float>(mDomain.dims, static_cast<float>(medium.ambient().asymmetry)))
-      , mSteps(stepFieldGrid(medium, options, ctx)) {
-    const Vec3i& bricks = mIndex.brickDims();
-    mOut.dims = {mDomain.dims[0], mDomain.dims[1], mDomain.dims[2]};
+      : mCtx(ctx)
+      , mVoxelSize(medium.domain().voxelSize)
+      , mIndex(
+            fromFloatGrid(*medium.grids().index, medium.domain().dims, static_cast<float>(medium.ambient().index), ctx))
+      , mOptics(opticsOf(medium, ctx))
+      , mLabels(mIndex, mOptics.attenuation, mVoxelSize, options, ctx) {
+    const Vec3i &dims = mIndex.dims(), &bricks = mIndex.brickDims();
+    mOut.dims = {dims[0], dims[1], dims[2]};
     mOut.brickDims = {bricks[0], bricks[1], bricks[2]};
     mOut.cap = static_cast<float>(options.cap);
+    mOut.ambientIndex = mIndex.background();
     const auto count = static_cast<std::size_t>(mIndex.brickCount());
     mOut.fieldSlots = ZeroedTable<std::int32_t>(count);
     mOut.stepSlots = ZeroedTable<std::int32_t>(count);
     mOut.opticsSlots = ZeroedTable<std::int32_t>(count);
     mOut.indexOffsets = ZeroedTable<float>(count);
     mOut.bends = ZeroedTable<std::uint8_t>(count);
-    const Ambient& a = medium.ambient();
-    mOut.ambientIndex = static_cast<float>(a.index);
-    const auto f = [](const Rgb& c) { return Vec3f{float(c[0]), float(c[1]), float(c[2])}; };
-    paletteEntry(f(a.attenuation), f(a.scattering), static_cast<float>(a.asymmetry)); // entry 0
   }
 
   FlatMediumStorage run() {
     findFields();
-    fillOptics();
-    fillFieldsAndSteps();
+    assignSteps(packOptics(mOptics, mVoxelSize, mOut, mCtx));
+    fillBricks();
     return std::move(mOut);
   }
 
 private:
-  /// Whether n is one value in the brick and its 26 neighbours, by their constants alone.
-  [[nodiscard]] bool surroundedByConstant(std::int64_t b) const {
-    if (!mIndex.isConstant(b)) return false;
-    const Vec3i c = mIndex.brickCoord(b), n = mIndex.brickDims();
-    for (int x = std::max(c[0] - 1, 0); x <= std::min(c[0] + 1, n[0] - 1); ++x)
-      for (int y = std::max(c[1] - 1, 0); y <= std::min(c[1] + 1, n[1] - 1); ++y)
-        for (int z = std::max(c[2] - 1, 0); z <= std::min(c[2] + 1, n[2] - 1); ++z) {
-          const std::int64_t other = mIndex.brickIndex({x, y, z});
-          if (!mIndex.isConstant(other) || mIndex.constant(other) != mIndex.constant(b)) return false;
-        }
-    return true;
-  }
-
   /// Slots for the bricks in or beside which n changes.
   void findFields() {
-    const std::int64_t count = mIndex.brickCount();
-    std::vector<char> varies(count);
-    parallelFor(count, 256, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      IndexBlock block;
-      for (std::int64_t b = begin; b < end; ++b) {
+    const std::vector<std::int64_t>& band = mLabels.band();
+    std::vector<std::uint8_t> varies(band.size());
+    parallelFor(static_cast<std::int64_t>(band.size()), 64, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      IndexField field;
+      for (std::int64_t i = begin; i < end; ++i) {
+        const std::int64_t b = band[i];
         const float n = mIndex.isConstant(b) ? mIndex.constant(b) : mIndex.voxels(b)[0];
         if (n != mOut.ambientIndex) mOut.indexOffsets[b] = n - mOut.ambientIndex;
-        if (surroundedByConstant(b)) continue;
-        block.gather(mIndex, originOf(b));
-        varies[b] = !block.flat();
+        if (mIndex.uniformAround(b)) continue;
+        varies[i] = mLabels.indexRange(i) >= IndexField::kFlat;
+        if (varies[i]) continue; // the filter reaches farther and sees that too
+        field.gather(mIndex, mIndex.brickCoord(b));
+        varies[i] = !field.flat();
       }
     });
-    std::int32_t slots = 1; // slot 0: no gradient, for every brick without a slot
-    for (std::int64_t b = 0; b < count; ++b)
-      if (varies[b]) mOut.fieldSlots[b] = nextSlot(slots);
+    for (std::size_t i = 0; i < band.size(); ++i)
+      if (varies[i]) mFieldBricks.push_back(band[i]);
+    const std::int64_t slots = assignBrickSlots(mFieldBricks, mOut.fieldSlots);
     mCtx.requireMemory(std::uint64_t(slots) * kernels::kFieldVoxels * sizeof(FieldVoxel), "stepField: index field");
     mOut.fields.resize(std::size_t(slots) * kernels::kFieldVoxels);
+    std::fill_n(mOut.fields.begin(), kernels::kFieldVoxels, FieldVoxel{1, 0, 0, 0}); // slot 0
   }
 
-  /// Kernels address voxel arrays with 32 bits, and floats of a field voxel too.
-  static std::int32_t nextSlot(std::int32_t& slots) {
-    constexpr std::int32_t kMostSlots = std::numeric_limits<std::int32_t>::max() / (4 * kernels::kFieldVoxels);
-    if (slots == kMostSlots)
-      throw Error(ErrorKind::Input, "volume: light bends in more than " + std::to_string(kMostSlots) +
-                                        " bricks of 8x8x8 voxels; lower the resolution");
-    return slots++;
+  /// The step byte of a whole brick, without kStepBendsBit; kMixed where its voxels differ.
+  [[nodiscard]] StepLabel brickLabel(std::int64_t b) const {
+    const Vec3i brick = mIndex.brickCoord(b);
+    if (const StepLabel label = mLabels.ofBrick(brick); label != StepLabels::kMixed) return label;
+    std::array<StepLabel, kBrickVoxels> labels;
+    mLabels.ofVoxels(brick, labels);
+    const bool same = std::all_of(labels.begin(), labels.end(), [&](StepLabel l) { return l == labels[0]; });
+    return same ? labels[0] : StepLabels::kMixed;
   }
 
-  /// Whether the brick's step bytes are one value.
-  [[nodiscard]] bool stepsAreConstant(std::int64_t b) const {
-    return mOut.fieldSlots[b] == 0 && mOut.opticsSlots[b] <= 0 && !mSteps->tree().probeConstLeaf(coordOf(b));
-  }
+  struct OneByte {
+    std::int64_t brick;
+    std::uint8_t byte;
+  };
 
-  void fillFieldsAndSteps() {
-    // A brick has step bytes of its own where labels differ inside it, where light bends in a part of it, or where the
-    // optics do; slots first, bytes in parallel.
-    const std::int64_t count = mIndex.brickCount();
-    std::vector<std::int16_t> bytes(count, -1);
+  /// A brick has step bytes of its own where labels differ inside it, where light bends in a part of it, or where the
+  /// optics do. All others have one byte all over, and the most frequent one is the ambient byte.
+  void assignSteps(const std::vector<std::int64_t>& opticsBricks) {
+    std::vector<OneByte> exceptions; // from the byte of the cube that they lie in
     std::array<std::int64_t, 256> frequency{};
-    std::int32_t slots = 1;
-    for (std::int64_t b = 0; b < count; ++b) {
-      if (!stepsAreConstant(b)) {
-        mOut.stepSlots[b] = nextSlot(slots);
+    for (const StepLabels::Cube& cube : mLabels.cubes()) frequency[cube.label] += cube.brickCount();
+    for (const std::int64_t b : merged(merged(mFieldBricks, mLabels.mixedBricks()), opticsBricks)) {
+      if (const StepLabel label = mLabels.ofBrick(mIndex.brickCoord(b)); label != StepLabels::kMixed)
+        --frequency[label];
+      const bool varies = mOut.opticsSlots[b] > 0 || mOut.fieldSlots[b] > 0;
+      const StepLabel label = varies ? StepLabels::kMixed : brickLabel(b);
+      if (label == StepLabels::kMixed) {
+        mStepBricks.push_back(b);
         continue;
       }
       const bool bends = mOut.opticsSlots[b] != 0;
       if (bends) mOut.bends[b] = 1;
-      bytes[b] = stepByte(mSteps->tree().getValue(coordOf(b)), bends);
-      ++frequency[bytes[b]];
+      exceptions.push_back({b, static_cast<std::uint8_t>(label | (bends ? kernels::kStepBendsBit : 0))});
+      ++frequency[exceptions.back().byte];
     }
     mOut.ambientStep =
         static_cast<std::int32_t>(std::max_element(frequency.begin(), frequency.end()) - frequency.begin());
-    for (std::int64_t b = 0; b < count; ++b)
-      if (bytes[b] >= 0 && bytes[b] != mOut.ambientStep) mOut.stepSlots[b] = ~std::int32_t{bytes[b]};
+    writeSlots(exceptions);
+  }
 
+  void writeSlots(const std::vector<OneByte>& exceptions) {
+    const auto ambient = static_cast<std::uint8_t>(mOut.ambientStep);
+    for (const StepLabels::Cube& cube : mLabels.cubes())
+      if (cube.label != ambient) setStep(cube);
+    for (const auto& [brick, byte] : exceptions) mOut.stepSlots[brick] = byte != ambient ? ~std::int32_t{byte} : 0;
+    const std::int64_t slots = assignBrickSlots(mStepBricks, mOut.stepSlots);
     mOut.steps.resize(std::size_t(slots) * kernels::kStepVoxels + kernels::kStepPadding);
-    std::fill_n(mOut.steps.begin(), kernels::kStepVoxels, static_cast<std::uint8_t>(mOut.ambientStep));
-    parallelFor(count, 64, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      IndexBlock block;
-      FieldFilter filter;
-      openvdb::Int32Grid::ConstAccessor labels(mSteps->getConstAccessor());
-      for (std::int64_t b = begin; b < end; ++b) {
-        if (mOut.stepSlots[b] <= 0) continue;
-        if (mOut.fieldSlots[b] > 0) {
-          block.gather(mIndex, originOf(b));
-          filter.run(block, mOut.fields.data() + std::size_t(mOut.fieldSlots[b]) * kernels::kFieldVoxels);
-        }
-        fillSteps(b, block, labels);
-      }
-    });
+    std::fill_n(mOut.steps.begin(), kernels::kStepVoxels, ambient);
+    std::fill_n(mOut.steps.end() - kernels::kStepPadding, kernels::kStepPadding, std::uint8_t{0});
+  }
+  void setStep(const StepLabels::Cube& cube) {
+    for (int x = cube.first[0]; x <= cube.last[0]; ++x)
+      for (int y = cube.first[1]; y <= cube.last[1]; ++y)
+        for (std::int64_t b = mIndex.brickIndex({x, y, cube.first[2]}), n = cube.last[2] - cube.first[2]; n >= 0; --n)
+          mOut.stepSlots[b++] = ~std::int32_t{cube.label};
   }
 
-  void fillSteps(std::int64_t b, const IndexBlock& block, const openvdb::Int32Grid::ConstAccessor& labels) {
+  void fillBricks() {
+    parallelFor(static_cast<std::int64_t>(mStepBricks.size()), 16, mCtx,
+                [&](std::int64_t begin, std::int64_t end, int) {
+                  IndexField field;
+                  for (std::int64_t i = begin; i < end; ++i) fillBrick(mStepBricks[i], field);
+                });
+  }
+
+  void fillBrick(std::int64_t b, IndexField& field) {
+    const Vec3i brick = mIndex.brickCoord(b);
+    std::array<std::uint8_t, kBrickVoxels> bends{};
+    if (const std::int32_t slot = mOut.fieldSlots[b]; slot > 0) {
+      field.gather(mIndex, brick);
+      field.filter(mOut.fields.data() + std::size_t(slot) * kernels::kFieldVoxels);
+      field.findBends(bends);
+    }
+    const std::int32_t optics = mOut.opticsSlots[b];
+    if (optics > 0) {
+      const std::int32_t* entries = mOut.voxelOptics.data() + std::size_t(optics) * kernels::kStepVoxels;
+      for (int i = 0; i < kBrickVoxels; ++i) bends[i] |= entries[i] != 0 ? kernels::kStepBendsBit : 0;
+    } else if (optics < 0) {
+      bends.fill(kernels::kStepBendsBit);
+    }
+    std::array<StepLabel, kBrickVoxels> labels;
+    if (const StepLabel label = mLabels.ofBrick(brick); label != StepLabels::kMixed)
+      labels.fill(label);
+    else
+      mLabels.ofVoxels(brick, labels);
     std::uint8_t* out = mOut.steps.data() + std::size_t(mOut.stepSlots[b]) * kernels::kStepVoxels;
-    const std::int32_t opticsSlot = mOut.opticsSlots[b];
-    const bool hasField = mOut.fieldSlots[b] > 0;
-    std::array<bool, 1000> curved{};
-    if (hasField) markCurved(block, curved);
-    const openvdb::Coord origin = coordOf(b);
-    for (int x = 0; x < 8; ++x)
-      for (int y = 0; y < 8; ++y)
-        for (int z = 0; z < 8; ++z) {
-          const int i = brickOffset(x, y, z);
-          const std::int32_t optics =
-              opticsSlot <= 0 ? -opticsSlot : mOut.voxelOptics[std::size_t(opticsSlot) * kernels::kStepVoxels + i];
-          const bool bends = optics != 0 || (hasField && touchesCurved(curved, x, y, z));
-          out[i] = stepByte(labels.getValue(origin.offsetBy(x, y, z)), bends);
-          if (bends) mOut.bends[b] = 1;
-        }
-  }
-
-  /// Voxels from -1 to 8 at which the gradient is not zero (the filter's outermost weight, 1/144, aside).
-  static void markCurved(const IndexBlock& block, std::array<bool, 1000>& curved) {
-    for (int x = -1; x <= 8; ++x)
-      for (int y = -1; y <= 8; ++y)
-        for (int z = -1; z <= 8; ++z) {
-          float low = block.at(x, y, z), high = low;
-          for (const int d : {-2, -1, 1, 2})
-            for (const float n : {block.at(x + d, y, z), block.at(x, y + d, z), block.at(x, y, z + d)}) {
-              low = std::min(low, n);
-              high = std::max(high, n);
-            }
-          curved[((x + 1) * 10 + y + 1) * 10 + z + 1] = high - low > kFlat;
-        }
-  }
-  /// Whether a trilinear lookup inside the voxel can see a gradient.
-  static bool touchesCurved(const std::array<bool, 1000>& curved, int x, int y, int z) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k)
-          if (curved[((x + i) * 10 + y + j) * 10 + z + k]) return true;
-    return false;
-  }
-
-  static std::uint8_t stepByte(int label, bool bends) {
-    const int capped = label & kStepCapped;
-    return static_cast<std::uint8_t>((label & kernels::kStepLevelMask) | (capped ? kernels::kStepCappedBit : 0) |
-                                     (bends ? kernels::kStepBendsBit : 0));
-  }
-
-  /// Distinct optics once each; bricks and voxels refer to them by number.
-  void fillOptics() {
-    mOut.voxelOptics.resize(kernels::kStepVoxels); // slot 0
-    std::int32_t slots = 1;
-    for (std::int64_t b = 0; b < mIndex.brickCount(); ++b) {
-      if (mAttenuation.isConstant(b) && mScattering.isConstant(b) && mAsymmetry.isConstant(b)) {
-        const std::int32_t entry =
-            paletteEntry(mAttenuation.constant(b), mScattering.constant(b), mAsymmetry.constant(b));
-        if (entry != 0) mOut.opticsSlots[b] = -entry;
-        continue;
-      }
-      mOut.opticsSlots[b] = nextSlot(slots);
-      const auto value = [b](const auto& grid, int i) {
-        return grid.isConstant(b) ? grid.constant(b) : grid.voxels(b)[i];
-      };
-      for (int i = 0; i < kBrickVoxels; ++i)
-        mOut.voxelOptics.push_back(paletteEntry(value(mAttenuation, i), value(mScattering, i), value(mAsymmetry, i)));
+    std::uint8_t any = 0;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      out[i] = labels[i] | bends[i];
+      any |= bends[i];
     }
-    for (const Optics& o : mOut.optics) mOut.attenuates = mOut.attenuates || kernels::maxComponent(o.attenuation) > 0;
+    mOut.bends[b] = any != 0;
   }
 
-  std::int32_t paletteEntry(const Vec3f& attenuation, const Vec3f& scattering, float asymmetry) {
-    const std::array<float, 7> key{attenuation[0], attenuation[1], attenuation[2], scattering[0],
-                                   scattering[1],  scattering[2],  asymmetry};
-    if (!mOut.optics.empty() && key == mLastKey) return mLastEntry;
-    const auto [it, added] = mPalette.try_emplace(key, static_cast<std::int32_t>(mOut.optics.size()));
-    if (added) {
-      const float h = static_cast<float>(mDomain.voxelSize);
-      mOut.optics.push_back({Float3(key[0], key[1], key[2]) * h, Float3(key[3], key[4], key[5]) * h, asymmetry});
-    }
-    mLastKey = key;
-    return mLastEntry = it->second;
-  }
-
-  [[nodiscard]] Vec3i originOf(std::int64_t b) const {
-    const Vec3i c = mIndex.brickCoord(b);
-    return {c[0] * kBrickSize, c[1] * kBrickSize, c[2] * kBrickSize};
-  }
-  [[nodiscard]] openvdb::Coord coordOf(std::int64_t b) const {
-    const Vec3i o = originOf(b);
-    return {o[0], o[1], o[2]};
-  }
-
-  struct KeyHash {
-    std::size_t operator()(const std::array<float, 7>& key) const {
-      std::size_t h = 0;
-      for (const float f : key) {
-        std::uint32_t bits;
-        std::memcpy(&bits, &f, sizeof bits);
-        h = (h ^ bits) * 0x9e3779b97f4a7c15ull;
-        h ^= h >> 29;
-      }
-      return h;
-    }
-  };
-
-  Domain mDomain;
   const RunContext& mCtx;
+  double mVoxelSize;
   BrickGrid<float> mIndex;
-  BrickGrid<Vec3f> mAttenuation, mScattering;
-  BrickGrid<float> mAsymmetry;
-  openvdb::Int32Grid::Ptr mSteps;
-  std::unordered_map<std::array<float, 7>, std::int32_t, KeyHash> mPalette;
-  std::array<float, 7> mLastKey{};
-  std::int32_t mLastEntry = 0;
+  OpticsGrids mOptics;
+  StepLabels mLabels;
+  std::vector<std::int64_t> mFieldBricks, mStepBricks;
   FlatMediumStorage mOut;
 };
 
@@ -373,7 +217,17 @@ kernels::FlatMedium FlatMediumStorage::view() const {
 std::size_t FlatMediumStorage::memoryBytes() const {
   return fieldSlots.size() * (3 * sizeof(std::int32_t) + sizeof(float) + sizeof(std::uint8_t)) +
          fields.size() * sizeof(FieldVoxel) + steps.size() + voxelOptics.size() * sizeof(std::int32_t) +
-         optics.size() * sizeof(Optics);
+         optics.size() * sizeof(kernels::Optics);
+}
+
+std::int64_t assignBrickSlots(std::span<const std::int64_t> bricks, ZeroedTable<std::int32_t>& slots) {
+  constexpr std::int64_t kMostSlots = std::numeric_limits<std::int32_t>::max() / (4 * kernels::kFieldVoxels);
+  const auto count = static_cast<std::int64_t>(bricks.size());
+  if (count >= kMostSlots)
+    throw Error(ErrorKind::Input, "volume: light bends in more than " + std::to_string(kMostSlots) +
+                                      " bricks of 8x8x8 voxels; lower the resolution");
+  for (std::int64_t i = 0; i < count; ++i) slots[bricks[i]] = static_cast<std::int32_t>(i + 1);
+  return count + 1;
 }
 
 FlatMediumStorage flattenMedium(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx) {

@@ -19,5 +19,10 @@ openvdb::Vec3SGrid::Ptr toVec3Grid(const BrickGrid<Vec3f>& bricks, const Domain&
 /// are.
 BrickGrid<float> fromFloatGrid(const openvdb::FloatGrid& grid, const Vec3i& dims, const RunContext& ctx = {});
 BrickGrid<Vec3f> fromVec3Grid(const openvdb::Vec3SGrid& grid, const Vec3i& dims, const RunContext& ctx = {});
+/// The same values as bricks whose background is another one than the grid's.
+BrickGrid<float> fromFloatGrid(const openvdb::FloatGrid& grid, const Vec3i& dims, float background,
+                               const RunContext& ctx);
+BrickGrid<Vec3f> fromVec3Grid(const openvdb::Vec3SGrid& grid, const Vec3i& dims, const Vec3f& background,
+                              const RunContext& ctx);
 
 } // namespace volcaustic

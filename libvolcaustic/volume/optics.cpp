@@ -1,6 +1,9 @@
 #include "volume/optics.h"
 
+#include "core/brick_set.h"
 #include "core/parallel.h"
+#include "core/simd_clones.h"
+#include "volume/brick_block.h"
 
 #include <algorithm>
 #include <array>
@@ -31,28 +34,39 @@ std::uint64_t tableBytes(const Domain& domain) {
 template <class T, class Change>
 void paint(BrickGrid<T>& grid, const CoveragePatch& patch, const RunContext& ctx, Change&& change) {
   const BrickGrid<float>& coverage = patch.coverage;
-  const auto target = [&](std::int64_t brick) {
-    const Vec3i c = coverage.brickCoord(brick);
-    return grid.brickIndex({c[0] + patch.firstBrick[0], c[1] + patch.firstBrick[1], c[2] + patch.firstBrick[2]});
+  const std::vector<std::int64_t> painted = coverage.occupied();
+  struct Target {
+    std::int64_t brick;
+    bool wasConstant;
+    T before;
   };
+  std::vector<Target> targets(painted.size());
   std::vector<std::int64_t> varying;
-  for (std::int64_t b = 0; b < coverage.brickCount(); ++b)
-    if (!coverage.isConstant(b) && grid.isConstant(target(b))) varying.push_back(target(b));
+  for (std::size_t i = 0; i < painted.size(); ++i) {
+    const Vec3i c = coverage.brickCoord(painted[i]);
+    Target& to = targets[i];
+    to.brick = grid.brickIndex({c[0] + patch.firstBrick[0], c[1] + patch.firstBrick[1], c[2] + patch.firstBrick[2]});
+    to.wasConstant = grid.isConstant(to.brick);
+    if (to.wasConstant) to.before = grid.constant(to.brick);
+    if (to.wasConstant && !coverage.isConstant(painted[i])) varying.push_back(to.brick);
+  }
   ctx.requireMemory(grid.memoryBytes() + varying.size() * kBrickVoxels * sizeof(T), "blending the bodies");
-  grid.activate(varying);
+  grid.activate(varying, Fill::Later);
 
-  parallelFor(coverage.brickCount(), 512, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t b = begin; b < end; ++b) {
-      const bool constant = coverage.isConstant(b);
-      if (constant && coverage.constant(b) == 0.0f) continue;
-      const std::int64_t to = target(b);
-      if (constant && grid.isConstant(to)) {
-        grid.setConstant(to, change(grid.constant(to), coverage.constant(b)));
+  parallelFor(static_cast<std::int64_t>(painted.size()), 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const Target& to = targets[i];
+      if (coverage.isConstant(painted[i])) {
+        const float c = coverage.constant(painted[i]);
+        if (to.wasConstant)
+          grid.setConstant(to.brick, change(to.before, c));
+        else
+          for (T& value : grid.voxels(to.brick)) value = change(value, c);
         continue;
       }
-      const std::span<T> values = grid.voxels(to);
-      for (int v = 0; v < kBrickVoxels; ++v)
-        values[v] = change(values[v], constant ? coverage.constant(b) : coverage.voxels(b)[v]);
+      const std::span<const float> c = coverage.voxels(painted[i]);
+      const std::span<T> values = grid.voxels(to.brick);
+      for (int v = 0; v < kBrickVoxels; ++v) values[v] = change(to.wasConstant ? to.before : values[v], c[v]);
     }
   });
 }
@@ -64,24 +78,30 @@ bool uniform(std::span<const T> values) {
 
 template <class T>
 void collapse(BrickGrid<T>& grid, const RunContext& ctx) {
-  std::vector<std::uint8_t> isUniform(static_cast<std::size_t>(grid.brickCount()), 0);
-  parallelFor(grid.brickCount(), 512, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t b = begin; b < end; ++b)
-      if (!grid.isConstant(b)) isUniform[b] = uniform(std::span<const T>(grid.voxels(b)));
+  const std::vector<std::int64_t> occupied = grid.occupied();
+  std::vector<std::uint8_t> isUniform(occupied.size(), 0);
+  const auto forEach = [&](auto&& visit) {
+    parallelFor(static_cast<std::int64_t>(occupied.size()), 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+      for (std::int64_t i = begin; i < end; ++i) visit(i, occupied[i]);
+    });
+  };
+  forEach([&](std::int64_t i, std::int64_t b) {
+    if (!grid.isConstant(b)) isUniform[i] = uniform(std::span<const T>(grid.voxels(b)));
   });
   if (std::find(isUniform.begin(), isUniform.end(), 1) == isUniform.end()) return;
   BrickGrid<T> result(grid.dims(), grid.background());
   std::vector<std::int64_t> kept;
-  for (std::int64_t b = 0; b < grid.brickCount(); ++b) {
+  for (std::size_t i = 0; i < occupied.size(); ++i)
+    if (!grid.isConstant(occupied[i]) && !isUniform[i]) kept.push_back(occupied[i]);
+  result.activate(kept, Fill::Later);
+  forEach([&](std::int64_t i, std::int64_t b) {
     if (grid.isConstant(b))
       result.setConstant(b, grid.constant(b));
-    else if (isUniform[b])
+    else if (isUniform[i])
       result.setConstant(b, grid.voxels(b)[0]);
     else
-      kept.push_back(b);
-  }
-  result.activate(kept);
-  for (const std::int64_t b : kept) std::copy(grid.voxels(b).begin(), grid.voxels(b).end(), result.voxels(b).begin());
+      std::copy(grid.voxels(b).begin(), grid.voxels(b).end(), result.voxels(b).begin());
+  });
   grid = std::move(result);
 }
 
@@ -102,111 +122,77 @@ std::array<float, Radius> tapWeights() {
 
 /// out[i] = in[i] + sum over t of w_t ((in[i - t stride] + in[i + t stride]) - 2 in[i]): a convolution whose weights
 /// sum to exactly 1, so that constants keep their bits. `in` points at the first centre.
-template <int Radius, int Count>
-void blurLine(const float* __restrict in, int stride, const std::array<float, Radius>& weights, float* __restrict out) {
-  for (int i = 0; i < Count; ++i) out[i] = in[i];
-  for (int t = 0; t < Radius; ++t) {
-    const int reach = (t + 1) * stride;
-    const float weight = weights[t];
-    for (int i = 0; i < Count; ++i) out[i] += weight * ((in[i - reach] + in[i + reach]) - 2 * in[i]);
+template <int Radius, int Count, int Stride>
+inline void blurLine(const float* __restrict in, const std::array<float, Radius>& weights, float* __restrict out) {
+  for (int i = 0; i < Count; ++i) {
+    float sum = in[i];
+    for (int t = 0; t < Radius; ++t)
+      sum += weights[t] * ((in[i - (t + 1) * Stride] + in[i + (t + 1) * Stride]) - 2 * in[i]);
+    out[i] = sum;
   }
 }
 
 template <int Radius>
 class BrickBlur {
 public:
-  explicit BrickBlur(const BrickGrid<float>& grid)
-      : mGrid(grid)
-      , mWeights(tapWeights<Radius>())
-      , mIn(kSide * kSide * kSide)
-      , mX(kBrickSize * kSide * kSide)
-      , mY(kBrickSize * kBrickSize * kSide) {}
+  explicit BrickBlur(const BrickGrid<float>& grid) : mGrid(grid), mWeights(tapWeights<Radius>()) {}
 
   /// True when the blurred voxels of a brick differ. What is in reach of a constant brick may be too little to show.
-  bool varies(const Vec3i& brick) {
-    gather(brick);
-    if (uniform(std::span<const float>(mIn))) return false;
-    if (!mGrid.isConstant(mGrid.brickIndex(brick))) return true;
+  bool varies(std::int64_t b) {
+    const Vec3i brick = mGrid.brickCoord(b);
+    if (!mGrid.isConstant(b) && !sticksOut(brick)) return true;
+    mIn.gather(mGrid, brick);
+    if (mIn.uniform()) return false;
+    if (!mGrid.isConstant(b)) return true;
     std::array<float, kBrickVoxels> out;
-    blurGathered(out);
+    blur(out.data());
     return !uniform(std::span<const float>(out));
   }
 
-  void run(const Vec3i& brick, std::span<float> out) {
-    gather(brick);
-    blurGathered(out);
+  void run(std::int64_t b, std::span<float> out) {
+    mIn.gather(mGrid, mGrid.brickCoord(b));
+    blur(out.data());
   }
 
 private:
-  static constexpr int kSide = kBrickSize + 2 * Radius;
+  using Block = BrickBlock<float, Radius, Radius>;
 
-  void blurGathered(std::span<float> out) {
-    constexpr int kPlane = kSide * kSide;
-    for (int x = 0; x < kBrickSize; ++x)
-      blurLine<Radius, kPlane>(&mIn[(x + Radius) * kPlane], kPlane, mWeights, &mX[x * kPlane]);
-    for (int x = 0; x < kBrickSize; ++x)
-      for (int y = 0; y < kBrickSize; ++y)
-        blurLine<Radius, kSide>(&mX[x * kPlane + (y + Radius) * kSide], kSide, mWeights,
-                                &mY[(x * kBrickSize + y) * kSide]);
-    for (int row = 0; row < kBrickSize * kBrickSize; ++row)
-      blurLine<Radius, kBrickSize>(&mY[row * kSide + Radius], 1, mWeights, &out[row * kBrickSize]);
+  /// A brick that varies may do so beyond the domain only.
+  [[nodiscard]] bool sticksOut(const Vec3i& brick) const {
+    const Vec3i& dims = mGrid.dims();
+    return (brick[0] + 1) * kBrickSize > dims[0] || (brick[1] + 1) * kBrickSize > dims[1] ||
+           (brick[2] + 1) * kBrickSize > dims[2];
   }
 
-  void gather(const Vec3i& brick) {
-    const Vec3i& dims = mGrid.dims();
-    std::array<std::array<int, kSide>, 3> at{}; // coordinates, clamped into the domain
-    for (int a = 0; a < 3; ++a)
-      for (int i = 0; i < kSide; ++i) at[a][i] = std::clamp(brick[a] * kBrickSize + i - Radius, 0, dims[a] - 1);
-    float* to = mIn.data();
-    for (const int x : at[0])
-      for (const int y : at[1]) {
-        for (int i = 0; i < kSide;) { // a run of a brick's voxels at a time
-          const int z = at[2][i], last = std::min({kBrickSize - (z & 7), kSide - i, dims[2] - z});
-          const int run = z == at[2][kSide - 1] || at[2][i + 1] == z ? 1 : last; // a clamped voxel comes again
-          const std::int64_t b = mGrid.brickIndex({x >> 3, y >> 3, z >> 3});
-          if (mGrid.isConstant(b))
-            std::fill_n(to, run, mGrid.constant(b));
-          else
-            std::copy_n(&mGrid.voxels(b)[brickOffset(x, y, z)], run, to);
-          to += run;
-          i += run;
-        }
-      }
+  VOLCAUSTIC_SIMD_CLONES void blur(float* out) {
+    constexpr int kRow = Block::kRow, kPlane = Block::kPlane;
+    blurLine<Radius, kBrickSize * kPlane, kPlane>(mIn.data() + Radius * kPlane, mWeights, mX.data());
+    for (int x = 0; x < kBrickSize; ++x)
+      blurLine<Radius, kBrickSize * kRow, kRow>(&mX[x * kPlane + Radius * kRow], mWeights, &mY[x * kBrickSize * kRow]);
+    for (int row = 0; row < kBrickSize * kBrickSize; ++row)
+      blurLine<Radius, kBrickSize, 1>(&mY[row * kRow + Radius], mWeights, out + row * kBrickSize);
   }
 
   const BrickGrid<float>& mGrid;
   std::array<float, Radius> mWeights;
-  std::vector<float> mIn, mX, mY;
+  Block mIn;
+  std::array<float, kBrickSize * Block::kPlane> mX;
+  std::array<float, kBrickSize * kBrickSize * Block::kRow> mY;
 };
 
 /// Bricks whose voxels a blur of less than a brick's reach can change: those with a neighbour that differs.
-std::vector<std::int64_t> bricksInReach(const BrickGrid<float>& grid, const RunContext& ctx) {
-  const Vec3i dims = grid.brickDims();
-  std::vector<std::uint8_t> inReach(static_cast<std::size_t>(grid.brickCount()), 0);
-  parallelFor(dims[0], 1, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (int x = static_cast<int>(begin); x < end; ++x)
-      for (int y = 0; y < dims[1]; ++y)
-        for (int z = 0; z < dims[2]; ++z) {
-          const std::int64_t self = grid.brickIndex({x, y, z});
-          bool differs = !grid.isConstant(self);
-          for (int i = std::max(x - 1, 0); i <= std::min(x + 1, dims[0] - 1) && !differs; ++i)
-            for (int j = std::max(y - 1, 0); j <= std::min(y + 1, dims[1] - 1) && !differs; ++j)
-              for (int k = std::max(z - 1, 0); k <= std::min(z + 1, dims[2] - 1) && !differs; ++k) {
-                const std::int64_t other = grid.brickIndex({i, j, k});
-                differs = !grid.isConstant(other) || grid.constant(other) != grid.constant(self);
-              }
-          inReach[self] = differs;
-        }
-  });
-  std::vector<std::int64_t> bricks;
-  for (std::int64_t b = 0; b < grid.brickCount(); ++b)
-    if (inReach[b]) bricks.push_back(b);
+std::vector<std::int64_t> bricksInReach(const BrickGrid<float>& grid, const std::vector<std::int64_t>& occupied) {
+  BrickSet around(grid.brickDims());
+  around.insertAround(occupied);
+  std::vector<std::int64_t> bricks = around.sorted();
+  std::erase_if(bricks, [&](std::int64_t b) { return grid.uniformAround(b); });
   return bricks;
 }
 
 template <int Radius>
 BrickGrid<float> blurBy(const BrickGrid<float>& grid, const RunContext& ctx) {
-  std::vector<std::int64_t> bricks = bricksInReach(grid, ctx);
+  const std::vector<std::int64_t> occupied = grid.occupied();
+  std::vector<std::int64_t> bricks = bricksInReach(grid, occupied);
   const auto forEachBrick = [&](std::string_view stage, auto&& visit) {
     parallelFor(
         static_cast<std::int64_t>(bricks.size()), 32, ctx,
@@ -217,22 +203,19 @@ BrickGrid<float> blurBy(const BrickGrid<float>& grid, const RunContext& ctx) {
         stage);
   };
   std::vector<std::uint8_t> varies(bricks.size());
-  forEachBrick({},
-               [&](BrickBlur<Radius>& blur, std::int64_t i) { varies[i] = blur.varies(grid.brickCoord(bricks[i])); });
+  forEachBrick({}, [&](BrickBlur<Radius>& blur, std::int64_t i) { varies[i] = blur.varies(bricks[i]); });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i)
     if (varies[i]) bricks[kept++] = bricks[i];
   bricks.resize(kept);
 
   BrickGrid<float> result(grid.dims(), grid.background());
-  for (std::int64_t b = 0; b < grid.brickCount(); ++b)
+  for (const std::int64_t b : occupied)
     if (grid.isConstant(b)) result.setConstant(b, grid.constant(b));
   ctx.requireMemory(grid.memoryBytes() + result.memoryBytes() + kept * kBrickVoxels * sizeof(float),
                     "smoothing the index");
-  result.activate(bricks);
-  forEachBrick("blur", [&](BrickBlur<Radius>& blur, std::int64_t i) {
-    blur.run(grid.brickCoord(bricks[i]), result.voxels(bricks[i]));
-  });
+  result.activate(bricks, Fill::Later);
+  forEachBrick("blur", [&](BrickBlur<Radius>& blur, std::int64_t i) { blur.run(bricks[i], result.voxels(bricks[i])); });
   return result;
 }
 

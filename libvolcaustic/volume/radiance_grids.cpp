@@ -14,28 +14,21 @@ namespace {
 constexpr double kSphere = 4 * std::numbers::pi;
 constexpr std::int64_t kGrain = 256; // bricks
 
-/// Applies `change` to every value in place.
-void changeAll(BrickGrid<Vec3f>& bricks, const RunContext& ctx, const std::function<Vec3f(const Vec3f&)>& change) {
-  parallelFor(bricks.brickCount(), kGrain, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t b = begin; b < end; ++b) {
-      if (bricks.isConstant(b))
-        bricks.setConstant(b, change(bricks.constant(b)));
-      else
-        for (Vec3f& v : bricks.voxels(b)) v = change(v);
-    }
-  });
+/// Radiance of the light that `part` chooses.
+template <class Part>
+BrickGrid<Vec3f> radianceOfPart(const RadianceBricks& light, double factor, const RunContext& ctx, const Part& part) {
+  return valuesOf(
+      light,
+      [&](const kernels::Light& direct, const kernels::Light& caustic) {
+        const kernels::Float3 f = part(direct.fluence, caustic.fluence);
+        return Vec3f{radianceOf(f.x, factor), radianceOf(f.y, factor), radianceOf(f.z, factor)};
+      },
+      ctx);
 }
 
 } // namespace
 
 float radianceOf(float fluence, double factor) { return static_cast<float>(fluence / kSphere * factor); }
-
-float fluenceOf(float radiance, double factor) {
-  const auto fluence = static_cast<float>(radiance * kSphere / factor);
-  for (const float candidate : {fluence, std::nextafter(fluence, INFINITY), std::nextafter(fluence, -INFINITY)})
-    if (radianceOf(candidate, factor) == radiance) return candidate;
-  return fluence;
-}
 
 BrickGrid<Vec3f> combined(const BrickGrid<Vec3f>& a, const BrickGrid<Vec3f>& b, const RunContext& ctx,
                           const std::function<Vec3f(const Vec3f&, const Vec3f&)>& combine) {
@@ -61,11 +54,26 @@ BrickGrid<Vec3f> combined(const BrickGrid<Vec3f>& a, const BrickGrid<Vec3f>& b, 
   return result;
 }
 
-BrickGrid<Vec3f> radianceBricks(BrickGrid<Vec3f> fluence, double factor, const RunContext& ctx) {
-  changeAll(fluence, ctx, [factor](const Vec3f& f) {
-    return Vec3f{radianceOf(f[0], factor), radianceOf(f[1], factor), radianceOf(f[2], factor)};
-  });
-  return fluence;
+BrickGrid<Vec3f> radianceBricks(const RadianceBricks& light, double factor, const RunContext& ctx) {
+  return radianceOfPart(light, factor, ctx, [](const auto& direct, const auto& caustic) { return direct + caustic; });
+}
+BrickGrid<Vec3f> causticBricks(const RadianceBricks& light, double factor, const RunContext& ctx) {
+  return radianceOfPart(light, factor, ctx, [](const auto&, const auto& caustic) { return caustic; });
+}
+BrickGrid<Vec3f> directBricks(const RadianceBricks& light, double factor, const RunContext& ctx) {
+  return radianceOfPart(light, factor, ctx, [](const auto& direct, const auto&) { return direct; });
+}
+
+BrickGrid<Vec3f> directionBricks(const RadianceBricks& light, const RunContext& ctx) {
+  return valuesOf(
+      light,
+      [](const kernels::Light& direct, const kernels::Light& caustic) {
+        kernels::Light all = direct;
+        all += caustic;
+        const kernels::Float3 d = all.meanDirection();
+        return Vec3f{d.x, d.y, d.z};
+      },
+      ctx);
 }
 
 openvdb::Vec3SGrid::Ptr lightGrid(const BrickGrid<Vec3f>& values, const Domain& domain, const char* name) {
@@ -82,13 +90,32 @@ openvdb::Vec3SGrid::Ptr directionGrid(const BrickGrid<Vec3f>& direction, const D
   return grid;
 }
 
-BrickGrid<Vec3f> fluenceBricks(const openvdb::Vec3SGrid& radiance, const Vec3i& dims, double factor,
-                               const RunContext& ctx) {
-  BrickGrid<Vec3f> bricks = fromVec3Grid(radiance, dims, ctx);
-  changeAll(bricks, ctx, [factor](const Vec3f& r) {
-    return Vec3f{fluenceOf(r[0], factor), fluenceOf(r[1], factor), fluenceOf(r[2], factor)};
+void fillFluence(FluenceGrid& light, const openvdb::Vec3SGrid& radiance, const BrickGrid<Vec3f>& direction,
+                 double factor, const RunContext& ctx) {
+  const BrickGrid<Vec3f> values = fromVec3Grid(radiance, light.dims(), ctx);
+  const auto lightOf = [factor](const Vec3f& r, const Vec3f& d) {
+    const auto fluence = kernels::Float3(kernels::Double3(r[0], r[1], r[2]) * (kSphere / factor));
+    return kernels::Light{fluence, kernels::Float3(d[0], d[1], d[2]) * kernels::luminance(fluence)};
+  };
+  std::vector<std::int64_t> varying;
+  for (std::int64_t b = 0; b < values.brickCount(); ++b)
+    if (values.isConstant(b) && (direction.isConstant(b) || values.constant(b) == Vec3f{0, 0, 0}))
+      light.setConstant(b, lightOf(values.constant(b), direction.isConstant(b) ? direction.constant(b) : Vec3f{}));
+    else
+      varying.push_back(b);
+  light.reserve(static_cast<std::int64_t>(varying.size()), ctx);
+  const std::int32_t first = light.claim(static_cast<std::int32_t>(varying.size()));
+  parallelFor(static_cast<std::int64_t>(varying.size()), kGrain, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const std::int64_t b = varying[i];
+      const auto slot = first + static_cast<std::int32_t>(i);
+      const auto voxels = light.slot(slot);
+      for (int k = 0; k < kBrickVoxels; ++k)
+        voxels[k] = kernels::pack(lightOf(values.isConstant(b) ? values.constant(b) : values.voxels(b)[k],
+                                          direction.isConstant(b) ? direction.constant(b) : direction.voxels(b)[k]));
+      light.assign(b, slot);
+    }
   });
-  return bricks;
 }
 
 RadianceGrids radianceGrids(const RadianceVolume& radiance, bool parts) {
@@ -96,14 +123,11 @@ RadianceGrids radianceGrids(const RadianceVolume& radiance, bool parts) {
   const Domain& domain = radiance.domain();
   const RadianceBricks& light = radiance.bricks();
   RadianceGrids grids;
-  const auto sum = combined(light.direct, light.caustic, ctx, [](const Vec3f& d, const Vec3f& c) {
-    return Vec3f{d[0] + c[0], d[1] + c[1], d[2] + c[2]};
-  });
-  grids.radiance = lightGrid(radianceBricks(sum, 1, ctx), domain, "radiance");
-  grids.direction = directionGrid(light.direction, domain);
+  grids.radiance = lightGrid(radianceBricks(light, 1, ctx), domain, "radiance");
+  grids.direction = directionGrid(directionBricks(light, ctx), domain);
   if (parts) {
-    grids.caustic = lightGrid(radianceBricks(light.caustic, 1, ctx), domain, "caustic");
-    grids.direct = lightGrid(radianceBricks(light.direct, 1, ctx), domain, "direct");
+    grids.caustic = lightGrid(causticBricks(light, 1, ctx), domain, "caustic");
+    grids.direct = lightGrid(directBricks(light, 1, ctx), domain, "direct");
   }
   return grids;
 }

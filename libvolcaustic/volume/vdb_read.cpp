@@ -205,21 +205,22 @@ RadianceVolume readRadiance(const std::filesystem::path& path, const Domain& dom
   const double factor = std::exp2(metadataOr<openvdb::DoubleMetadata>(file, metadata_key::kExposure, 0.0));
   if (!std::isfinite(factor) || factor <= 0) fail(place, "its exposure is not finite");
 
-  const BrickGrid<Vec3f> none(domain.dims, {0, 0, 0});
-  std::uint64_t bytes = 3 * none.memoryBytes();
-  for (const auto& grid : file.grids) bytes += grid->baseTree().leafCount() * kBrickVoxels * sizeof(Vec3f);
+  std::uint64_t bytes = 0;
+  for (const auto& grid : file.grids)
+    bytes += grid->baseTree().leafCount() * kBrickVoxels * (sizeof(Vec3f) + sizeof(kernels::FluenceVoxel));
   ctx.requireMemory(bytes, place);
 
-  const auto fluence = [&](const char* name) {
-    return fluenceBricks(*gridOrNull<openvdb::Vec3SGrid>(file, name, domain, place), domain.dims, factor, ctx);
-  };
   const bool parts = file.find("caustic") && file.find("direct");
-  const auto direction = gridOrNull<openvdb::Vec3SGrid>(file, "direction", domain, place);
-  auto bricks = std::make_shared<RadianceBricks>();
-  bricks->caustic = fluence(parts ? "caustic" : "radiance");
-  bricks->direct = parts ? fluence("direct") : none;
-  bricks->direction = direction ? fromVec3Grid(*direction, domain.dims, ctx) : none;
-  return {domain, bricks};
+  const auto directions = gridOrNull<openvdb::Vec3SGrid>(file, "direction", domain, place);
+  const BrickGrid<Vec3f> direction =
+      directions ? fromVec3Grid(*directions, domain.dims, ctx) : BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
+  auto light = std::make_shared<RadianceBricks>(domain.dims);
+  const auto fill = [&](FluenceGrid& part, const char* name) {
+    fillFluence(part, *gridOrNull<openvdb::Vec3SGrid>(file, name, domain, place), direction, factor, ctx);
+  };
+  fill(light->caustic, parts ? "caustic" : "radiance");
+  if (parts) fill(light->direct.stored, "direct");
+  return {domain, std::move(light)};
 }
 
 } // namespace volcaustic

@@ -108,23 +108,23 @@ void writeVdb(const std::filesystem::path& path, const RadianceVolume& radiance,
     throw Error(ErrorKind::Usage, path.string() + ": the radiance volume and the medium have different domains");
   const RadianceBricks& light = radiance.bricks();
   const double factor = std::exp2(options.exposure);
-  const auto fluence = combined(light.direct, light.caustic, ctx, [](const Vec3f& d, const Vec3f& c) {
-    return Vec3f{d[0] + c[0], d[1] + c[1], d[2] + c[2]};
-  });
-  const BrickGrid<Vec3f> total = radianceBricks(fluence, factor, ctx);
+  // All grids at once, and bricks of two of them.
+  ctx.requireMemory(light.varyingBricks().size() * kBrickVoxels * sizeof(Vec3f) * (options.parts ? 8 : 6),
+                    path.string());
 
   openvdb::GridPtrVec list;
   const auto addLight = [&](const BrickGrid<Vec3f>& values, const char* name) {
     list.push_back(described(lightGrid(values, domain, name), name, openvdb::GRID_FOG_VOLUME));
     list.back()->insertMeta(metadata_key::kExposure, openvdb::DoubleMetadata(options.exposure));
   };
+  const BrickGrid<Vec3f> total = radianceBricks(light, factor, ctx);
   addLight(total, "radiance");
-  list.push_back(described(directionGrid(light.direction, domain), "direction", openvdb::GRID_UNKNOWN));
+  list.push_back(described(directionGrid(directionBricks(light, ctx), domain), "direction", openvdb::GRID_UNKNOWN));
   addLight(emissionBricks(total, medium, ctx), "emission");
   list.push_back(described(densityGrid(medium, ctx), "density", openvdb::GRID_FOG_VOLUME));
   if (options.parts) {
-    addLight(radianceBricks(light.caustic, factor, ctx), "caustic");
-    addLight(radianceBricks(light.direct, factor, ctx), "direct");
+    addLight(causticBricks(light, factor, ctx), "caustic");
+    addLight(directBricks(light, factor, ctx), "direct");
   }
   openvdb::MetaMap metadata = fileMetadata(medium);
   metadata.insertMeta(metadata_key::kExposure, openvdb::DoubleMetadata(options.exposure));

@@ -296,9 +296,7 @@ void requireReach(const Body& body, const Box& box, const Domain& domain, int su
 
 /// Faces that come twice, once for each side, enclose nothing; nor does a body between the samples show.
 void warnIfEmpty(const CoveragePatch& patch, const Body& body, const RunContext& ctx) {
-  const BrickGrid<float>& coverage = patch.coverage;
-  for (std::int64_t b = 0; b < coverage.brickCount(); ++b)
-    if (!coverage.isConstant(b) || coverage.constant(b) != 0.0f) return;
+  if (!patch.coverage.occupied().empty()) return;
   ctx.warn(placeOf(body) +
            ": no sample of the domain is inside the mesh; it is thinner than a sub-voxel, lies outside, or "
            "its faces cancel (each present once for each side)");

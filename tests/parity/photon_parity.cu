@@ -21,6 +21,7 @@
 namespace volcaustic::test {
 
 using namespace volcaustic::kernels;
+using volcaustic::Light; // not kernels::Light
 
 namespace {
 
@@ -106,13 +107,13 @@ void run(PhotonTracer& tracer, const ParityScene& scene, double from = 0, double
   tracer.finish();
 }
 
-/// The sums of a block's voxels.
+/// The sums of a block's voxels and of those around it.
 std::vector<VoxelSums> lightOf(const PhotonTracer& tracer, std::int64_t block) {
   BlockSums sums;
   sums.clear();
   tracer.addBlock(block, sums);
-  std::vector<VoxelSums> voxels(kBlockVoxels);
-  for (int k = 0; k < kBlockVoxels; ++k) voxels[k] = sums.at(k);
+  std::vector<VoxelSums> voxels(kSumsVoxels);
+  for (int k = 0; k < kSumsVoxels; ++k) voxels[k] = sums.at(k);
   return voxels;
 }
 
@@ -121,7 +122,7 @@ double relativeDifference(const PhotonTracer& a, const PhotonTracer& b, std::int
   double difference = 0, total = 0;
   for (std::int64_t i = 0; i < blocks; ++i) {
     const std::vector<VoxelSums> x = lightOf(a, i), y = lightOf(b, i);
-    for (int k = 0; k < kBlockVoxels; ++k)
+    for (int k = 0; k < kSumsVoxels; ++k)
       for (int c = 0; c < kSums; ++c) {
         difference += std::abs(static_cast<double>(x[k][c] - y[k][c]));
         total += std::abs(static_cast<double>(x[k][c]));
@@ -202,7 +203,7 @@ TEST_P(Parity, HybridIsExactlyTheSumOfItsParts) {
     cpu->addBlock(b, sums);
     gpu->addBlock(b, sums);
     const std::vector<VoxelSums> both = lightOf(*hybrid, b);
-    for (int k = 0; k < kBlockVoxels; ++k) ASSERT_EQ(both[k], sums.at(k)) << b << " " << k;
+    for (int k = 0; k < kSumsVoxels; ++k) ASSERT_EQ(both[k], sums.at(k)) << b << " " << k;
   }
   PhotonTally tally = cpu->tally();
   tally += gpu->tally();

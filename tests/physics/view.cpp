@@ -15,21 +15,23 @@ constexpr double kPi = 3.14159265358979323846;
 /// A volume whose direct fluence and direction are functions of the voxel's centre.
 RadianceVolume lightVolume(const Domain& domain, const std::function<float(const Vec3d&)>& fluence,
                            const Vec3f& direction) {
-  auto bricks = std::make_shared<RadianceBricks>();
-  for (BrickGrid<Vec3f>* g : {&bricks->direct, &bricks->caustic, &bricks->direction})
-    *g = BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
-  for (std::int64_t b = 0; b < bricks->direct.brickCount(); ++b) {
-    bricks->direction.setConstant(b, direction);
-    const auto voxels = bricks->direct.allocate(b);
-    const Vec3i c = bricks->direct.brickCoord(b);
+  auto light = std::make_shared<RadianceBricks>(domain.dims);
+  FluenceGrid& direct = light->direct.stored;
+  direct.reserve(direct.brickCount(), {});
+  for (std::int64_t b = 0; b < direct.brickCount(); ++b) {
+    const std::int32_t slot = direct.claim(1);
+    const auto voxels = direct.slot(slot);
+    const Vec3i c = direct.brickCoord(b);
     for (int k = 0; k < kBrickVoxels; ++k) {
       const Vec3d p{(c[0] * 8 + (k >> 6) + .5) * domain.voxelSize, (c[1] * 8 + ((k >> 3) & 7) + .5) * domain.voxelSize,
                     (c[2] * 8 + (k & 7) + .5) * domain.voxelSize};
       const float f = fluence(p);
-      voxels[k] = {f, f, f};
+      voxels[k] =
+          kernels::pack({kernels::Float3(f, f, f), kernels::Float3(direction[0], direction[1], direction[2]) * f});
     }
+    direct.assign(b, slot);
   }
-  return {domain, bricks};
+  return {domain, light};
 }
 
 Camera cameraAlongX(int size = 9) {

@@ -4,6 +4,7 @@
 #include "backends/cpu_sink.h"
 #include "volcaustic/error.h"
 
+#include <algorithm>
 #include <array>
 #include <gtest/gtest.h>
 #include <limits>
@@ -14,6 +15,8 @@
 namespace volcaustic::test {
 namespace {
 
+using kernels::Int3;
+
 MemoryBudget roomy() { return {std::uint64_t{1} << 30, 0}; }
 
 VoxelSums times(const VoxelSums& s, std::int64_t n) {
@@ -22,23 +25,54 @@ VoxelSums times(const VoxelSums& s, std::int64_t n) {
   return r;
 }
 
-/// The block's voxel that holds voxel `offset` of its brick at `corner`.
-int inBlock(int corner, int offset) { return corner + blockOffset(offset >> 6, offset >> 3 & 7, offset & 7); }
+/// The number in the block's sums of voxel `offset` of the brick at `corner`.
+int inBlock(const Int3& corner, int offset) {
+  return sumsOffset(corner.x + (offset >> 6), corner.y + (offset >> 3 & 7), corner.z + (offset & 7));
+}
 
 } // namespace
 
-TEST(BlockSums, NumbersVoxelsOfTheBlockOnce) {
-  std::vector<char> seen(kBlockVoxels);
-  for (int x = 0; x < kBlockEdge; ++x)
-    for (int y = 0; y < kBlockEdge; ++y)
-      for (int z = 0; z < kBlockEdge; ++z) {
-        EXPECT_EQ(blockOffset(x + 64, y + 32, z + 96), blockOffset(x, y, z));
-        EXPECT_EQ(seen[blockOffset(x, y, z)]++, 0);
-      }
-  const kernels::Int3 blocks = blockDims({1, 32, 33});
+TEST(BlockSums, NumberVoxelsOfTheBlockAndAroundItOnce) {
+  std::vector<char> seen(kSumsVoxels);
+  for (int x = -1; x <= kBlockEdge; ++x)
+    for (int y = -1; y <= kBlockEdge; ++y)
+      for (int z = -1; z <= kBlockEdge; ++z) EXPECT_EQ(seen.at(sumsOffset(x, y, z))++, 0);
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), kSumsVoxels);
+  const Int3 blocks = blockDims({1, 32, 33});
   EXPECT_EQ(blocks.x, 1);
   EXPECT_EQ(blocks.y, 1);
   EXPECT_EQ(blocks.z, 2);
+  const Int3 corner = blockCorner({3, 4, 5}, (2 * 4 + 1) * 5 + 3);
+  EXPECT_EQ(corner.x, 64);
+  EXPECT_EQ(corner.y, 32);
+  EXPECT_EQ(corner.z, 96);
+}
+
+// Bricks of a block and around it, voxel by voxel: every voxel that has a place in the sums and is in the domain's
+// bricks, once, at that place.
+TEST(BlockSums, BricksInAndAroundABlockCoverItOnce) {
+  const Int3 bricks(9, 4, 6); // blocks of 4: three, one and two, the last ones in part
+  for (const Int3& block : {Int3(0, 0, 0), Int3(1, 0, 1), Int3(2, 0, 0)}) {
+    const Int3 corner(block.x * kBlockEdge, block.y * kBlockEdge, block.z * kBlockEdge);
+    std::vector<int> seen(kSumsVoxels);
+    forBricksInSums(bricks, corner, [&](std::int64_t brick, const Int3& low) {
+      const Int3 at(static_cast<int>(brick / 24) * 8, static_cast<int>(brick / 6 % 4) * 8,
+                    static_cast<int>(brick % 6) * 8);
+      EXPECT_TRUE(at.x == corner.x + low.x && at.y == corner.y + low.y && at.z == corner.z + low.z) << brick;
+      forVoxelsInSums(low, [&](int k, int voxel) {
+        EXPECT_EQ(voxel, inBlock(low, k));
+        ++seen.at(voxel);
+      });
+    });
+    for (int x = -1; x <= kBlockEdge; ++x)
+      for (int y = -1; y <= kBlockEdge; ++y)
+        for (int z = -1; z <= kBlockEdge; ++z) {
+          const auto inside = [](int c, int count) { return c >= 0 && c < 8 * count; };
+          const bool in =
+              inside(corner.x + x, bricks.x) && inside(corner.y + y, bricks.y) && inside(corner.z + z, bricks.z);
+          ASSERT_EQ(seen[sumsOffset(x, y, z)], in) << x << ' ' << y << ' ' << z;
+        }
+  }
 }
 
 TEST(BlockSums, AddUpExactlyAcrossTheEndOfTheRange) {
@@ -56,23 +90,34 @@ TEST(BlockSums, AddUpExactlyAcrossTheEndOfTheRange) {
   }
   for (const auto& [voxel, s] : reference) EXPECT_EQ(sums.at(voxel), s) << voxel;
   EXPECT_EQ(sums.at(3), VoxelSums{});
-  EXPECT_EQ(sums.lowOnly(), nullptr);
+  EXPECT_FALSE(sums.carried().empty());
   sums.clear();
   for (const auto& [voxel, s] : reference) EXPECT_EQ(sums.at(voxel), VoxelSums{});
-  EXPECT_NE(sums.lowOnly(), nullptr);
+  EXPECT_TRUE(sums.carried().empty());
 }
 
-TEST(BlockSums, LowSumsAloneServeWhileTheyAreAllThereIs) {
+TEST(BlockSums, KeepLowSumsTogetherAndCarriedOnesInOrder) {
   BlockSums sums;
   sums.clear();
   sums.add(100, {1, -2, 3, -4, 5, (1 << 29) - 1});
-  const std::int32_t* low = sums.lowOnly();
-  ASSERT_NE(low, nullptr);
   const std::array<std::int32_t, 8> expected{1, -2, 3, 0, -4, 5, (1 << 29) - 1, 0};
-  for (int i = 0; i < 8; ++i) EXPECT_EQ(low[800 + i], expected[i]) << i;
-  sums.add(100, {0, 0, 0, 0, 0, 1});
-  EXPECT_EQ(sums.lowOnly(), nullptr);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(sums.low()[800 + i], expected[i]) << i;
+  EXPECT_TRUE(sums.carried().empty());
+  sums.add(100, {0, 0, 0, 0, 0, 1}); // beyond half of the range
+  sums.add(7, {std::int64_t{1} << 40, 0, 3, -(std::int64_t{1} << 41), 0, 0});
+  sums.add(200, {std::int64_t{1} << 30, 0, 0, 0, 0, 0});
   EXPECT_EQ(sums.at(100), (VoxelSums{1, -2, 3, -4, 5, 1 << 29}));
+  const std::vector<kernels::CarriedSums> carried = sums.carried();
+  ASSERT_EQ(carried.size(), 3u);
+  for (const auto& [voxel, c] : std::map<int, int>{{7, 0}, {100, 1}, {200, 2}}) {
+    EXPECT_EQ(carried[c].voxel, voxel);
+    const VoxelSums all = sums.at(voxel);
+    const std::int32_t* low = sums.low() + std::ptrdiff_t{8} * voxel;
+    for (int i = 0; i < 8; ++i) {
+      const double whole = i % 4 == 3 ? 0 : static_cast<double>(all[i < 3 ? i : i - 1]);
+      EXPECT_EQ(double(carried[c].sums[i]) + low[i], whole) << "voxel " << voxel << " sum " << i;
+    }
+  }
 }
 
 // What whoever adds through low() relies on: after carry(), half of the range is free again, in both directions.
@@ -115,7 +160,7 @@ TEST(LightBricks, StrongDepositsIntoOneVoxelAddUpExactly) {
   }
   BlockSums block;
   block.clear();
-  const int corner = blockOffset(8, 16, 24);
+  const Int3 corner(8, 16, 24);
   sums.bricks.addTo(11, block, corner);
   const std::int64_t unit = 1 << 17;
   EXPECT_EQ(block.at(inBlock(corner, 77)), times({unit, unit * 3 / 4, 0, -unit, unit / 2, unit / 4}, kDeposits));
@@ -130,15 +175,15 @@ TEST(LightBricks, DepositsAreRoundedToTheNearestUnit) {
   sink.deposit(0, 0, {0.6f / 16, -0.6f / 16, 0.4f / 16}, {-0.4f / 16, 2.6f / 16, 0});
   BlockSums block;
   block.clear();
-  sums.bricks.addTo(0, block, 0);
-  EXPECT_EQ(block.at(0), (VoxelSums{1, -1, 0, 0, 3, 0}));
+  sums.bricks.addTo(0, block, {0, 0, 0});
+  EXPECT_EQ(block.at(sumsOffset(0, 0, 0)), (VoxelSums{1, -1, 0, 0, 3, 0}));
 }
 
 // Bricks to a block and back, with sums inside the range, at its end and beyond it.
 TEST(LightBricks, GoToBlocksAndBackWithoutLoss) {
   std::mt19937_64 random(2);
   MemoryBudget budget = roomy();
-  const int corner = blockOffset(16, 0, 8);
+  const Int3 corner(16, 0, 8);
   BlockSums once;
   once.clear();
   std::vector<VoxelSums> reference(512);
@@ -146,7 +191,7 @@ TEST(LightBricks, GoToBlocksAndBackWithoutLoss) {
     for (std::int64_t& s : reference[k]) s = static_cast<std::int64_t>(random()) >> (25 + random() % 40);
     once.add(inBlock(corner, k), reference[k]);
   }
-  once.add(inBlock(blockOffset(8, 0, 8), 3), {1000, 1000, 1000, 0, 0, 0}); // another brick's
+  once.add(inBlock(Int3(8, 0, 8), 3), {1000, 1000, 1000, 0, 0, 0}); // another brick's
 
   LightBricks bricks(5, budget);
   for (int i = 1; i <= 9; ++i) {
@@ -158,7 +203,31 @@ TEST(LightBricks, GoToBlocksAndBackWithoutLoss) {
     bricks.addTo(4, back, corner);
     bricks.addTo(3, back, corner); // nothing there
     for (int k = 0; k < 512; ++k) ASSERT_EQ(back.at(inBlock(corner, k)), times(reference[k], i)) << k << " round " << i;
-    EXPECT_EQ(back.at(inBlock(blockOffset(8, 0, 8), 3)), VoxelSums{});
+    EXPECT_EQ(back.at(inBlock(Int3(8, 0, 8), 3)), VoxelSums{});
+  }
+}
+
+// A brick beside a block gives it the voxels that touch it, and no others.
+TEST(LightBricks, BesideABlockGiveItsOutermostVoxels) {
+  MemoryBudget budget = roomy();
+  LightBricks bricks(1, budget);
+  for (int k = 0; k < 512; ++k) bricks.touch(0)[k].s[1] = k + 1;
+  for (const Int3& corner : {Int3(-8, 0, 24), Int3(32, 8, -8), Int3(16, 32, 32), Int3(-8, -8, -8), Int3(32, 32, 32)}) {
+    SCOPED_TRACE(testing::Message() << corner.x << ' ' << corner.y << ' ' << corner.z);
+    BlockSums block;
+    block.clear();
+    bricks.addTo(0, block, corner);
+    std::int64_t expected = 0, found = 0;
+    const auto place = [](int c) { return c >= -1 && c <= kBlockEdge; };
+    for (int k = 0; k < 512; ++k) {
+      const Int3 v(corner.x + (k >> 6), corner.y + (k >> 3 & 7), corner.z + (k & 7));
+      if (!place(v.x) || !place(v.y) || !place(v.z)) continue;
+      expected += k + 1;
+      EXPECT_EQ(block.at(sumsOffset(v.x, v.y, v.z))[1], k + 1);
+    }
+    for (int v = 0; v < kSumsVoxels; ++v) found += block.at(v)[1];
+    EXPECT_EQ(found, expected);
+    EXPECT_GT(found, 0);
   }
 }
 
@@ -167,7 +236,7 @@ TEST(LightBricks, AddingNothingTouchesNothing) {
   LightBricks bricks(2, budget);
   BlockSums empty;
   empty.clear();
-  bricks.add(1, empty, 0);
+  bricks.add(1, empty, {0, 0, 0});
   EXPECT_FALSE(bricks.touched(1));
   EXPECT_EQ(budget.used, 0u);
 }
@@ -186,9 +255,9 @@ TEST(LightBricks, CarriedSumsKeepTheirVoxel) {
   for (const std::int64_t brick : {0, 1, 299}) {
     BlockSums block;
     block.clear();
-    bricks.addTo(brick, block, 0);
+    bricks.addTo(brick, block, {0, 0, 0});
     for (const int offset : {0, 1, 511})
-      EXPECT_EQ(block.at(inBlock(0, offset)), (VoxelSums{5 * (1000 * brick + offset), 0, 0, 0, 0, -25}));
+      EXPECT_EQ(block.at(inBlock({0, 0, 0}, offset)), (VoxelSums{5 * (1000 * brick + offset), 0, 0, 0, 0, -25}));
   }
 }
 

@@ -1,9 +1,10 @@
 // The map of where rays can bend may only leave out what no ray meets: with it every cell's first bend is the one that
-// a search along the whole ray finds.
+// a search along the whole ray finds. Where a ray touches an edge of a voxel, either side is right.
 
 #include "transport/reach.h"
 #include "backends/cpu_sink.h"
 #include "support/solids.h"
+#include "support/traverse.h"
 #include "transport/emission.h"
 #include "volume/flatten.h"
 
@@ -80,6 +81,34 @@ std::vector<float> entryMap(const FlatMediumStorage& flat, const kernels::Emissi
   return entry;
 }
 
+/// First bend on the way through a point of the raster, in double precision.
+double firstBend(const FlatMediumStorage& flat, const kernels::EmissionFrame& frame, double column, double row) {
+  const kernels::EmissionRay ray = frame.rayAt(column, row);
+  const kernels::Span span = kernels::clipToBox(flat.dims, ray.origin, ray.direction);
+  const double from = frame.point ? std::max(span.entry, 0.0) : span.entry;
+  double found = kernels::kNeverBends;
+  if (span.exit > from)
+    traverse(ray.origin, ray.direction, from, span.exit, flat.dims, 0,
+             [&](const kernels::Int3& voxel, double in, double) {
+               const bool bends = flat.view().stepAt(voxel) & kernels::kStepBendsBit;
+               if (bends) found = in - frame.depth0;
+               return !bends;
+             });
+  return found;
+}
+/// Whether rays a thousandth of a cell away meet other bends.
+bool touchesAnEdge(const FlatMediumStorage& flat, const kernels::EmissionFrame& frame, std::int64_t cell) {
+  const kernels::RasterPoint p = frame.pointOf(cell);
+  double least = 1e300, most = -1e300;
+  for (const double a : {-1e-3, 1e-3})
+    for (const double b : {-1e-3, 1e-3}) {
+      const double t = firstBend(flat, frame, p.column + a, p.row + b);
+      least = std::min(least, t);
+      most = std::max(most, t);
+    }
+  return most - least > 0.1;
+}
+
 int expectSameBends(const FlatMediumStorage& flat, const kernels::EmissionFrame& frame) {
   const ReachMap map = reachOf(flat, frame);
   ReachMap everything = map;
@@ -88,11 +117,15 @@ int expectSameBends(const FlatMediumStorage& flat, const kernels::EmissionFrame&
   PhotonTally a, b;
   const std::vector<float> quick = entryMap(flat, frame, map.view(), a),
                            brute = entryMap(flat, frame, everything.view(), b);
-  int bending = 0, different = 0;
+  int bending = 0, different = 0, either = 0;
   for (std::size_t i = 0; i < brute.size(); ++i) {
     bending += brute[i] != kernels::kNeverBends;
     // The search starts elsewhere on the ray, so the last digit may differ.
     if (std::abs(quick[i] - brute[i]) > 1e-4f * std::max(1.0f, std::abs(brute[i]))) {
+      if (touchesAnEdge(flat, frame, static_cast<std::int64_t>(i))) {
+        ++either;
+        continue;
+      }
       if (++different < 4)
         ADD_FAILURE() << "cell " << i % frame.columns << ' ' << i / frame.columns << ": " << quick[i] << " instead of "
                       << brute[i];
@@ -100,12 +133,14 @@ int expectSameBends(const FlatMediumStorage& flat, const kernels::EmissionFrame&
   }
   EXPECT_EQ(different, 0);
   for (const kernels::Counter c : {kernels::Counter::Emitted, kernels::Counter::Traced})
-    EXPECT_EQ(a.counts[int(c)], b.counts[int(c)]);
+    EXPECT_LE(std::abs(a.counts[int(c)] - b.counts[int(c)]), either);
+  EXPECT_LE(either, 2 + static_cast<int>(brute.size() / 100)); // lights at corners of voxels have many of them
+  const double cellPower = 0x1p20 * kernels::maxComponent(frame.strength) * (frame.point ? frame.du * frame.dv : 1);
   // Blocks of cells are booked as a whole.
   for (const kernels::Outcome o : {kernels::Outcome::Emitted, kernels::Outcome::Escaped})
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(double(a.power[int(o)][c]), double(b.power[int(o)][c]),
-                  1e-6 * double(b.power[int(o)][c]) + frame.cells());
+                  1e-6 * double(b.power[int(o)][c]) + frame.cells() + either * cellPower);
   return bending;
 }
 

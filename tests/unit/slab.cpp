@@ -1,7 +1,7 @@
 // Chords cut into slabs against a walk from face to face in double precision.
 
 #include "kernels/slab.h"
-#include "kernels/traverse.h"
+#include "support/traverse.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -41,11 +41,11 @@ Chord chordBetween(const Double3& from, const Double3& to) {
 
 Lengths walked(const Chord& c) {
   Lengths lengths;
-  kernels::traverse(Double3(c.start), Double3(c.direction), 0.0, static_cast<double>(c.length), kDims, 0,
-                    [&](const Int3& v, double in, double out) {
-                      lengths[{v.x, v.y, v.z}] += out - in;
-                      return true;
-                    });
+  traverse(Double3(c.start), Double3(c.direction), 0.0, static_cast<double>(c.length), kDims, 0,
+           [&](const Int3& v, double in, double out) {
+             lengths[{v.x, v.y, v.z}] += out - in;
+             return true;
+           });
   return lengths;
 }
 

@@ -16,6 +16,7 @@ namespace volcaustic::test {
 namespace {
 
 constexpr int kRows = 60, kColumns = 5;
+constexpr int kVoxel = sumsOffset(0, 0, 17); // that the fakes light
 
 kernels::EmissionFrame raster(double depth = 0) {
   kernels::EmissionFrame frame;
@@ -63,7 +64,7 @@ public:
   [[nodiscard]] bool touched(std::int64_t block) const override { return block == mBehaviour.block && cells > 0; }
   void addBlock(std::int64_t block, BlockSums& sums) const override {
     if (!touched(block)) return;
-    sums.add(17, {cells, 0, 0, 0, 0, -cells});
+    sums.add(kVoxel, {cells, 0, 0, 0, 0, -cells});
   }
   [[nodiscard]] PhotonTally tally() const override {
     PhotonTally t;
@@ -91,7 +92,7 @@ std::int64_t sumOf(const PhotonTracer& tracer, std::int64_t block) {
   BlockSums sums;
   sums.clear();
   tracer.addBlock(block, sums);
-  const VoxelSums voxel = sums.at(17);
+  const VoxelSums voxel = sums.at(kVoxel);
   EXPECT_EQ(voxel[5], -voxel[0]);
   return voxel[0];
 }

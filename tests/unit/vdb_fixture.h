@@ -44,23 +44,25 @@ inline Medium ballMedium(const Domain& domain = ballDomain()) {
 
 /// Direct light as one tile-wise constant with a shadow, a caustic of awkward values in a cone.
 inline RadianceVolume ballLight(const Domain& domain = ballDomain()) {
-  auto bricks = std::make_shared<RadianceBricks>();
-  bricks->direct = BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
-  bricks->caustic = BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
-  bricks->direction = BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
-  for (std::int64_t b = 0; b < bricks->direct.brickCount(); ++b) {
-    const Vec3i c = bricks->direct.brickCoord(b);
-    bricks->direct.setConstant(b, c[2] == 0 ? Vec3f{0, 0, 0} : Vec3f{1, 0.9F, 0.7F});
-    bricks->direction.setConstant(b, {0, 0, c[2] == 0 ? 0.0F : -1.0F});
+  auto light = std::make_shared<RadianceBricks>(domain.dims);
+  FluenceGrid &direct = light->direct.stored, &caustic = light->caustic;
+  const auto going = [](const kernels::Float3& fluence, const kernels::Float3& direction) {
+    return kernels::Light{fluence, direction * kernels::luminance(fluence)};
+  };
+  caustic.reserve(caustic.brickCount(), {});
+  for (std::int64_t b = 0; b < direct.brickCount(); ++b) {
+    const Vec3i c = direct.brickCoord(b);
+    if (c[2] != 0) direct.setConstant(b, going({1, 0.9F, 0.7F}, {0, 0, -1}));
     if (c[0] != 2 || c[1] != 2) continue;
-    const auto caustic = bricks->caustic.allocate(b), direction = bricks->direction.allocate(b);
+    const std::int32_t slot = caustic.claim(1);
+    const auto voxels = caustic.slot(slot);
     for (int i = 0; i < kBrickVoxels; ++i) {
       const auto t = static_cast<float>(std::sin(0.37 * i + double(b)) * 0.5 + 0.5);
-      caustic[i] = {t * 3.7F, t * t * 0.11F, t / 7};
-      direction[i] = {0.1F * t, -0.2F * t, -t};
+      voxels[i] = kernels::pack(going({t * 3.7F, t * t * 0.11F, t / 7}, {0.1F * t, -0.2F * t, -0.9F * t}));
     }
+    caustic.assign(b, slot);
   }
-  return {domain, bricks};
+  return {domain, light};
 }
 
 } // namespace volcaustic::test

@@ -4,13 +4,18 @@
 
 #include "kernels/flat_medium.h"
 
-namespace volcaustic::kernels {
+namespace volcaustic::test {
+
+using kernels::clampTo;
+using kernels::Int3;
+using kernels::smaller;
+using kernels::Vec3;
 
 /// Walks cells of edge 2^log2 along o + t d from t0 to t1, d of any length. Calls visit(cell, tIn, tOut) for each, cell
 /// in units of 2^log2 voxels, until visit returns false. Cells outside [0, cells) end the walk.
 template <class Real, class Visit>
-VOLCAUSTIC_HD inline void traverse(const Vec3<Real>& o, const Vec3<Real>& d, Real t0, Real t1, const Int3& cells,
-                                   int log2, const Visit& visit) {
+inline void traverse(const Vec3<Real>& o, const Vec3<Real>& d, Real t0, Real t1, const Int3& cells, int log2,
+                     const Visit& visit) {
   const Real edge = static_cast<Real>(1 << log2);
   const Vec3<Real> start = o + d * t0;
   constexpr Real kNever = static_cast<Real>(1e30);
@@ -57,4 +62,4 @@ VOLCAUSTIC_HD inline void traverse(const Vec3<Real>& o, const Vec3<Real>& d, Rea
   }
 }
 
-} // namespace volcaustic::kernels
+} // namespace volcaustic::test
