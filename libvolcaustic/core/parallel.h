@@ -1,5 +1,5 @@
-// Loops over oneTBB that honour a RunContext: thread count, cancellation, progress. The only folder of the library,
-// with backends/cpu.cpp, that names TBB.
+// Loops over oneTBB that honour a RunContext: thread count, cancellation, progress. The only folder of the library
+// that names TBB.
 #pragma once
 
 #include "volcaustic/run_context.h"

@@ -36,6 +36,11 @@ Lamp lampOf(const Light& light, const FlatMediumStorage& flat, const Domain& dom
   return lamp;
 }
 
+/// Light of a voxel in the order of kernels::LightSums.
+struct EdgeVoxel {
+  float sums[8];
+};
+
 /// Sets of lamps, each with a number. Set 0 is all of them.
 class LampSets {
 public:
@@ -78,14 +83,16 @@ public:
   void add(std::int32_t lamp, const kernels::EmissionFrame& frame, std::span<const float> entry) {
     const LitRaster raster(frame, entry, mCtx);
     const std::vector<std::int64_t> mixed = classify(raster, lamp);
-    auto count = static_cast<std::int32_t>(mEdges.size() / kBrickVoxels);
+    const auto known = static_cast<std::int32_t>(mEdges.size() / kBrickVoxels);
+    std::int32_t count = known;
     for (const std::int64_t b : mixed)
       if (mEdgeOf[b] == 0) mEdgeOf[b] = ++count;
-    mCtx.requireMemory(std::uint64_t(count) * 2 * kBrickVoxels * sizeof(kernels::Light), "photons: direct light");
+    mCtx.requireMemory(std::uint64_t(count) * 2 * kBrickVoxels * sizeof(EdgeVoxel), "photons: direct light");
     mEdges.resize(std::size_t(count) * kBrickVoxels);
     parallelFor(static_cast<std::int64_t>(mixed.size()), 4, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
       for (std::int64_t i = begin; i < end; ++i) {
-        kernels::Light* voxels = mEdges.data() + std::size_t(mEdgeOf[mixed[i]] - 1) * kBrickVoxels;
+        EdgeVoxel* voxels = mEdges.data() + std::size_t(mEdgeOf[mixed[i]] - 1) * kBrickVoxels;
+        if (mEdgeOf[mixed[i]] > known) std::fill_n(voxels, kBrickVoxels, EdgeVoxel{});
         const Int3 low = firstVoxel(mixed[i]);
         std::array<float, kBrickVoxels> parts;
         raster.litParts(low, parts);
@@ -93,7 +100,11 @@ public:
           if (parts[k] == 0) continue;
           const Int3 v{low.x + (k >> 6), low.y + ((k >> 3) & 7), low.z + (k & 7)};
           const kernels::LampLight<float> l = kernels::lampLight<float>(mLamps[lamp], Float3(v) + Float3(0.5f));
-          voxels[k] += kernels::Light{l.fluence, l.direction * kernels::luminance(l.fluence)} * parts[k];
+          const Float3 fluence = l.fluence * parts[k], towards = l.direction * kernels::luminance(fluence);
+          for (int c = 0; c < 3; ++c) {
+            voxels[k].sums[c] += fluence[c];
+            voxels[k].sums[4 + c] += towards[c];
+          }
         }
       }
     });
@@ -261,14 +272,11 @@ private:
 
     void addEdges(std::int64_t other, int i) {
       if (mImpl.mEdgeOf[other] == 0) return;
-      const kernels::Light* voxels = mImpl.mEdges.data() + std::size_t(mImpl.mEdgeOf[other] - 1) * kBrickVoxels;
+      const EdgeVoxel* voxels = mImpl.mEdges.data() + std::size_t(mImpl.mEdgeOf[other] - 1) * kBrickVoxels;
       forVoxels(i, [&](int x, int y, int z) {
-        const kernels::Light& l = voxels[brickOffset(x - 1, y - 1, z - 1)];
+        const EdgeVoxel& voxel = voxels[brickOffset(x - 1, y - 1, z - 1)];
         float* sums = &mSums[(std::size_t(x * 10 + y) * 10 + z) * 8];
-        for (int n = 0; n < 3; ++n) {
-          sums[n] += l.fluence[n];
-          sums[4 + n] += l.towards[n];
-        }
+        for (int n = 0; n < 8; ++n) sums[n] += voxel.sums[n];
       });
     }
 
@@ -281,10 +289,10 @@ private:
   const RunContext& mCtx;
   std::vector<Lamp> mLamps;
   LampSets mSets;
-  ZeroedTable<std::int32_t> mSetOf;   ///< of each brick: the lamps whose light it has as a whole
-  ZeroedTable<std::int32_t> mEdgeOf;  ///< of each brick: where in mEdges it is, from 1 on
-  std::vector<kernels::Light> mEdges; ///< 512 for each brick with an edge: what lamps light of it in part
-  std::vector<std::int64_t> mShaded;  ///< bricks that some lamp does not light as a whole
+  ZeroedTable<std::int32_t> mSetOf;  ///< of each brick: the lamps whose light it has as a whole
+  ZeroedTable<std::int32_t> mEdgeOf; ///< of each brick: where in mEdges it is, from 1 on
+  LargeVector<EdgeVoxel> mEdges;     ///< 512 for each brick with an edge: what lamps light of it in part
+  std::vector<std::int64_t> mShaded; ///< bricks that some lamp does not light as a whole
 };
 
 DirectLightBuilder::DirectLightBuilder(const FlatMediumStorage& flat, const Domain& domain,

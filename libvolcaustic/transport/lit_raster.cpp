@@ -37,11 +37,9 @@ LitRaster::TileDepths LitRaster::tileDepths(const EmissionFrame& frame, std::spa
       const float* row = entry.data() + y * frame.columns;
       float* nearest = t.nearest.data() + y / kTile * t.columns;
       float* farthest = t.farthest.data() + y / kTile * t.columns;
-      for (int tile = 0; tile < t.columns; ++tile) {
-        const auto [low, high] =
-            std::minmax_element(row + tile * kTile, row + std::min((tile + 1) * kTile, frame.columns));
-        nearest[tile] = std::min(nearest[tile], *low);
-        farthest[tile] = std::max(farthest[tile], *high);
+      for (int x = 0; x < frame.columns; ++x) {
+        nearest[x / kTile] = std::min(nearest[x / kTile], row[x]);
+        farthest[x / kTile] = std::max(farthest[x / kTile], row[x]);
       }
     }
   });
