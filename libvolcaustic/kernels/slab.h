@@ -29,15 +29,24 @@ struct BrickCells {
   template <class F>
   struct Address {
     IntOf<F> brick, offset;
+    VOLCAUSTIC_HD friend Address operator+(const Address& a, const Address& b) {
+      return {a.brick + b.brick, a.offset + b.offset};
+    }
+    VOLCAUSTIC_HD friend Address select(const MaskOf<F>& mask, const Address& a, const Address& b) {
+      return {select(mask, a.brick, b.brick), select(mask, a.offset, b.offset)};
+    }
   };
-  /// Strides of the chord's axes.
+  /// Strides of the chord's axes. An address is the sum of what the cell's three coordinates give.
   template <class F>
   struct Strides {
     IntOf<F> brickW, brickU, brickV, offsetW, offsetU, offsetV;
-    VOLCAUSTIC_HD Address<F> at(IntOf<F> w, IntOf<F> u, IntOf<F> v) const {
-      using I = IntOf<F>;
-      return {(w >> 3) * brickW + (u >> 3) * brickU + (v >> 3) * brickV,
-              (w & I(7)) * offsetW + (u & I(7)) * offsetU + (v & I(7)) * offsetV};
+    VOLCAUSTIC_HD Address<F> alongW(IntOf<F> w) const { return along(w, brickW, offsetW); }
+    VOLCAUSTIC_HD Address<F> alongU(IntOf<F> u) const { return along(u, brickU, offsetU); }
+    VOLCAUSTIC_HD Address<F> alongV(IntOf<F> v) const { return along(v, brickV, offsetV); }
+
+  private:
+    VOLCAUSTIC_HD static Address<F> along(IntOf<F> c, IntOf<F> brick, IntOf<F> offset) {
+      return {(c >> 3) * brick, (c & IntOf<F>(7)) * offset};
     }
   };
   template <class F, class Sorted>
@@ -59,7 +68,9 @@ struct DenseCells {
   template <class F>
   struct Strides {
     IntOf<F> w, u, v;
-    VOLCAUSTIC_HD IntOf<F> at(IntOf<F> cw, IntOf<F> cu, IntOf<F> cv) const { return cw * w + cu * u + cv * v; }
+    VOLCAUSTIC_HD IntOf<F> alongW(IntOf<F> c) const { return c * w; }
+    VOLCAUSTIC_HD IntOf<F> alongU(IntOf<F> c) const { return c * u; }
+    VOLCAUSTIC_HD IntOf<F> alongV(IntOf<F> c) const { return c * v; }
   };
   template <class F, class Sorted>
   VOLCAUSTIC_HD Strides<F> strides(const Sorted& sorted) const {
@@ -118,9 +129,11 @@ public:
     const M uFirst = alongU < alongV;
     const F one = smaller(alongU, alongV), two = larger(alongU, alongV);
     const F half(0.5f);
-    return {{mStrides.at(w, u0, v0), one - in, half * (one + in)},
-            {mStrides.at(w, select(uFirst, u1, u0), select(uFirst, v0, v1)), two - one, half * (two + one)},
-            {mStrides.at(w, u1, v1), out - two, half * (out + two)}};
+    const Address atW = mStrides.alongW(w), atU0 = mStrides.alongU(u0), atU1 = mStrides.alongU(u1),
+                  atV0 = mStrides.alongV(v0), atV1 = mStrides.alongV(v1);
+    return {{atW + atU0 + atV0, one - in, half * (one + in)},
+            {atW + select(uFirst, atU1 + atV0, atU0 + atV1), two - one, half * (two + one)},
+            {atW + atU1 + atV1, out - two, half * (out + two)}};
   }
 
 private:
