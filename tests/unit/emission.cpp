@@ -128,7 +128,7 @@ struct Emission {
     return static_cast<double>(tally.power[static_cast<int>(o)][channel]);
   }
 };
-constexpr double kUnit = 0x1p40; ///< of the tallies, for a W
+constexpr double kUnit = 0x1p36; ///< of the tallies, for a W; a sun over 2048² voxels stays within 63 bits
 
 Emission emit(const Bends& bends, const EmissionFrame& frame, std::string_view lanes, int rows = 0, int threads = 0) {
   RunContext ctx;

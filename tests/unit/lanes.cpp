@@ -36,7 +36,8 @@ struct Scene {
       photon = std::max(photon, strongest * (f.point ? f.du * f.dv : 1));
       watts += strongest * (f.point ? 13 : static_cast<double>(f.cells()));
     }
-    scale = {std::exp2(16 - std::ceil(std::log2(photon))), std::exp2(60 - std::ceil(std::log2(watts)))};
+    // Room for a raster that is traced a hundred times.
+    scale = {std::exp2(16 - std::ceil(std::log2(photon))), std::exp2(54 - std::ceil(std::log2(watts)))};
   }
 };
 
