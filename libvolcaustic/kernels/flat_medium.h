@@ -2,8 +2,7 @@
 // bricks where something varies.
 //
 //   table (z fastest)          entry e of a brick                   voxels
-//   fieldSlots                 e > 0: slot                          fields + 729 e: n and grad n at 9x9x9 voxel
-//   centres,
+//   fieldSlots                 e > 0: slot                          fields + 729 e: n, grad n at 9x9x9 centres,
 //                              0: n is one value, its gradient 0      the brick's 8x8x8 and one more layer on the high
 //                                                                     sides, so a trilinear lookup touches one brick
 //   indexOffsets               n - ambientIndex where fieldSlots is 0
