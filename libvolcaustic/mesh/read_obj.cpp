@@ -1,5 +1,5 @@
-// Wavefront OBJ: "Advanced Visualizer" object files, appendix B1 of its manual. Polygons and material names are read;
-// lines, points, curves, normals and texture coordinates are not.
+// Wavefront OBJ: "Advanced Visualizer" object files, appendix B1 of its manual. Polygons and the names of materials,
+// groups or objects are read; lines, points, curves, normals and texture coordinates are not.
 #include "mesh/mesh_builder.h"
 #include "mesh/text_cursor.h"
 
@@ -11,7 +11,11 @@ namespace volcaustic {
 
 namespace {
 
-/// Two passes over the lines, because faces may refer to vertices further down.
+/// The statements that may name the groups, the one that counts most first: what encloses what matter is said by
+/// materials, where a file has any.
+constexpr std::string_view kGroupKeywords[] = {"usemtl", "g", "o"};
+
+/// Two passes over the lines, because faces may refer to vertices further down, and to choose what names the groups.
 class ObjReader {
 public:
   ObjReader(const MeshSource& source, const RunContext& ctx) : mSource(source), mBuilder(source, ctx) {}
@@ -24,22 +28,29 @@ public:
 
 private:
   void readPositions();
+  void noteGroupKeyword(TextCursor& cursor);
   void readFaces();
   void readFace(TextCursor& cursor);
   std::uint32_t readCorner(TextCursor& cursor);
-  void useMaterial(std::string name);
+  void enterGroup();
 
   const MeshSource& mSource;
   MeshBuilder mBuilder;
   std::int64_t mPositionsSoFar = 0; // in the pass over the faces: what negative indices count from
   std::vector<std::uint32_t> mCorners;
+  std::size_t mGroupKeyword = std::size(kGroupKeywords); // the first of those that the file has
+  std::string mGroupName;
+  bool mGroupIsNew = false; // named since the last face; a group without faces is none
   std::unordered_map<std::string, std::uint32_t> mGroups;
 };
 
 void ObjReader::readPositions() {
   for (TextCursor cursor(mSource, mSource.begin); !cursor.atEnd(); cursor.nextLine()) {
     cursor.skipBlanks();
-    if (!cursor.skipKeyword("v")) continue;
+    if (!cursor.skipKeyword("v")) {
+      noteGroupKeyword(cursor);
+      continue;
+    }
     Vec3d p;
     for (double& x : p) {
       cursor.skipBlanks();
@@ -49,20 +60,30 @@ void ObjReader::readPositions() {
   }
 }
 
+void ObjReader::noteGroupKeyword(TextCursor& cursor) {
+  for (std::size_t k = 0; k < mGroupKeyword; ++k)
+    if (cursor.skipKeyword(kGroupKeywords[k])) mGroupKeyword = k;
+}
+
 void ObjReader::readFaces() {
+  const std::string_view groupKeyword =
+      mGroupKeyword < std::size(kGroupKeywords) ? kGroupKeywords[mGroupKeyword] : std::string_view{};
   for (TextCursor cursor(mSource, mSource.begin); !cursor.atEnd(); cursor.nextLine()) {
     cursor.skipBlanks();
     if (cursor.skipKeyword("v"))
       ++mPositionsSoFar;
     else if (cursor.skipKeyword("f"))
       readFace(cursor);
-    else if (cursor.skipKeyword("usemtl"))
-      useMaterial(std::string(cursor.restOfLine()));
+    else if (!groupKeyword.empty() && cursor.skipKeyword(groupKeyword)) {
+      mGroupName = cursor.restOfLine();
+      mGroupIsNew = true;
+    }
   }
 }
 
 void ObjReader::readFace(TextCursor& cursor) {
   const std::uint64_t line = cursor.line();
+  if (mGroupIsNew) enterGroup();
   mCorners.clear();
   for (cursor.skipBlanks(); !cursor.atLineEnd(); cursor.skipBlanks()) mCorners.push_back(readCorner(cursor));
   if (mCorners.size() < 3)
@@ -95,13 +116,13 @@ std::uint32_t ObjReader::readCorner(TextCursor& cursor) {
   return static_cast<std::uint32_t>(position);
 }
 
-void ObjReader::useMaterial(std::string name) {
-  if (const auto known = mGroups.find(name); known != mGroups.end()) {
+void ObjReader::enterGroup() {
+  mGroupIsNew = false;
+  if (const auto known = mGroups.find(mGroupName); known != mGroups.end()) {
     mBuilder.setGroup(known->second);
     return;
   }
-  const std::uint32_t group = mBuilder.addGroup(name);
-  mGroups.emplace(std::move(name), group);
+  mGroups.emplace(mGroupName, mBuilder.addGroup(mGroupName));
 }
 
 } // namespace

@@ -81,9 +81,11 @@ std::string quoted(std::string_view text) {
 
 MeshSource loadMeshSource(const std::filesystem::path& path, const RunContext& ctx) {
   MeshSource source;
-  source.name = printable(path.string());
+  const bool isStandardInput = path == "-";
+  source.name = isStandardInput ? "<stdin>" : printable(path.string());
   source.extension = lowerCase(path.extension().string());
-  const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const FileDescriptor file(isStandardInput ? fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)
+                                            : open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status = {};
   if (file.value() < 0 || fstat(file.value(), &status) != 0)
     throw Error(ErrorKind::File, source.name + ": cannot be opened: " + std::strerror(errno));

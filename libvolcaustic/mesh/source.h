@@ -22,7 +22,7 @@ struct MeshSource {
   [[noreturn]] void failAtByte(std::size_t offset, const std::string& what) const;
 };
 
-/// Reads a file (or a pipe, to its end) within the context's memory limit.
+/// Reads a file (or a pipe, to its end; "-" is standard input) within the context's memory limit.
 /// \throws Error(File) when it cannot be opened or read, Error(Input) when it is beyond the memory limit.
 MeshSource loadMeshSource(const std::filesystem::path& path, const RunContext& ctx);
 

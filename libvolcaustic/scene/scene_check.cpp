@@ -1,10 +1,11 @@
 #include "scene/scene_check.h"
 
+#include "core/nearest_word.h"
 #include "scene/json_document.h"
-#include "scene/nearest.h"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace volcaustic {
 
@@ -39,6 +40,27 @@ void checkVolume(const Scene& scene, const SceneSource& source) {
   }
 }
 
+void checkMaterialName(const std::string& material, const std::vector<std::string>& names, const std::string& pointer,
+                       const SceneSource& source) {
+  if (std::find(names.begin(), names.end(), material) != names.end()) return;
+  source.fail(pointer + "/material",
+              "no material is called " + excerpt(material) + "; " +
+                  (names.empty() ? "add it to /materials"
+                                 : "the nearest known one is " + excerpt(nearestWord(material, names))));
+}
+
+/// Which groups there are, only the mesh knows.
+void checkGroups(const SceneObject& object, const std::vector<std::string>& materials, const std::string& pointer,
+                 const SceneSource& source) {
+  std::set<std::string> listed;
+  for (std::size_t i = 0; i < object.groups.size(); ++i) {
+    const std::string here = pointer + "/groups/" + std::to_string(i);
+    checkMaterialName(object.groups[i].material, materials, here, source);
+    if (!listed.insert(object.groups[i].name).second)
+      source.fail(here + "/name", excerpt(object.groups[i].name) + " is listed twice; remove one of the two");
+  }
+}
+
 void checkObjects(const Scene& scene, const SceneSource& source) {
   std::vector<std::string> names;
   for (const Material& material : scene.materials) {
@@ -48,11 +70,8 @@ void checkObjects(const Scene& scene, const SceneSource& source) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     const std::string pointer = "/objects/" + std::to_string(i);
-    if (std::find(names.begin(), names.end(), object.material) == names.end())
-      source.fail(pointer + "/material",
-                  "no material is called " + excerpt(object.material) + "; " +
-                      (names.empty() ? "add it to /materials"
-                                     : "the nearest known one is " + excerpt(nearestWord(object.material, names))));
+    checkMaterialName(object.material, names, pointer, source);
+    checkGroups(object, names, pointer, source);
     for (int axis = 0; axis < 3; ++axis)
       if (object.placement.scale[axis] == 0)
         source.fail(pointer + "/scale/" + std::to_string(axis), "0 makes the object flat; give another value");

@@ -1,6 +1,6 @@
 #include "scene/scene_edit.h"
 
-#include "scene/nearest.h"
+#include "core/nearest_word.h"
 #include "scene/scene_json.h"
 #include "volcaustic/error.h"
 

@@ -1,5 +1,5 @@
+#include "core/nearest_word.h"
 #include "scene/json_document.h"
-#include "scene/nearest.h"
 #include "scene/scene_check.h"
 #include "scene/scene_edit.h"
 #include "scene/scene_layout.h"
@@ -61,6 +61,22 @@ public:
   }
 
   void finish() const { rejectUnknownKeys(mObject, mKnown, mPointer, mSource); }
+
+  template <class T>
+  static void readObject(const Json& json, T& object, const std::string& pointer, const SceneSource& source) {
+    FieldReader fields(json, pointer, source);
+    describe(fields, object);
+    fields.finish();
+  }
+
+  template <class T>
+  static void readList(const Json& json, std::vector<T>& objects, const std::string& pointer,
+                       const SceneSource& source) {
+    if (!json.is_array()) source.fail(pointer, "must be an array, not " + excerpt(json) + "; write [ ... ]");
+    objects.assign(json.size(), T{});
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      readObject(json[i], objects[i], pointer + "/" + std::to_string(i), source);
+  }
 
 private:
   void read(const Json& json, double& value, const FieldDoc& doc, const std::string& pointer) const {
@@ -135,6 +151,11 @@ private:
     corners.finish();
   }
 
+  template <class T>
+  void read(const Json& json, std::vector<T>& value, const FieldDoc&, const std::string& pointer) const {
+    readList(json, value, pointer, mSource);
+  }
+
   const Json& mObject;
   std::string mPointer;
   const SceneSource& mSource;
@@ -148,18 +169,12 @@ public:
 
   template <class T>
   void section(const char* key, T& object, const char*) {
-    if (const Json* json = find(key)) readObject(*json, object, std::string("/") + key);
+    if (const Json* json = find(key)) FieldReader::readObject(*json, object, std::string("/") + key, mSource);
   }
 
   template <class T>
   void list(const char* key, std::vector<T>& objects, const char*) {
-    const Json* json = find(key);
-    if (!json) return;
-    const std::string pointer = std::string("/") + key;
-    if (!json->is_array()) mSource.fail(pointer, "must be an array, not " + excerpt(*json) + "; write [ ... ]");
-    objects.assign(json->size(), T{});
-    for (std::size_t i = 0; i < objects.size(); ++i)
-      readObject((*json)[i], objects[i], pointer + "/" + std::to_string(i));
+    if (const Json* json = find(key)) FieldReader::readList(*json, objects, std::string("/") + key, mSource);
   }
 
   template <class T>
@@ -172,7 +187,7 @@ public:
     for (const auto& [name, value] : json->items()) {
       objects.push_back(T{});
       objects.back().name = name;
-      readObject(value, objects.back(), pointer + "/" + pointerToken(name));
+      FieldReader::readObject(value, objects.back(), pointer + "/" + pointerToken(name), mSource);
     }
   }
 
@@ -183,13 +198,6 @@ private:
     mKnown.emplace_back(key);
     const auto found = mDocument.find(key);
     return found == mDocument.end() ? nullptr : &*found;
-  }
-
-  template <class T>
-  void readObject(const Json& json, T& object, const std::string& pointer) {
-    FieldReader fields(json, pointer, mSource);
-    describe(fields, object);
-    fields.finish();
   }
 
   const Json& mDocument;

@@ -66,6 +66,15 @@ public:
     mProperties[name] = std::move(field);
   }
 
+  /// A list that holds one default element.
+  template <class T>
+  void operator()(const char* name, std::vector<T>& value, const FieldDoc& doc) {
+    FieldSchema element(mDefaults.at(name).front());
+    describe(element, value.front());
+    mProperties[name] = {
+        {"description", description(doc)}, {"type", "array"}, {"items", element.take()}, {"default", Json::array()}};
+  }
+
   Json take() {
     Json schema{{"type", "object"}, {"properties", std::move(mProperties)}};
     if (!mRequired.empty()) schema["required"] = std::move(mRequired);
@@ -131,6 +140,7 @@ Json animationSchema() {
 Json buildSchema() {
   Scene scene;
   scene.objects.resize(1);
+  scene.objects.front().groups.resize(1);
   scene.lights.resize(1);
   const Json defaults = sceneDocument(scene);
   SceneSchema sections(defaults);

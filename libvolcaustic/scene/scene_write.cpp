@@ -30,6 +30,17 @@ private:
     return {{"min", value.box.min}, {"max", value.box.max}};
   }
 
+  template <class T>
+  static Json write(const std::vector<T>& value) {
+    Json array = Json::array();
+    for (T element : value) {
+      Json object = Json::object();
+      describe(FieldWriter(object), element);
+      array.push_back(std::move(object));
+    }
+    return array;
+  }
+
   Json& mObject;
 };
 

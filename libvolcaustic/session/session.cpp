@@ -49,6 +49,8 @@ std::uint64_t meshKey(const Mesh& mesh) {
   Hash h;
   h.value(mesh.positions.size()).bytes(mesh.positions.data(), mesh.positions.size() * sizeof mesh.positions[0]);
   h.value(mesh.triangles.size()).bytes(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
+  h.values(std::span<const std::uint32_t>(mesh.triangleGroup)).value(mesh.groupNames.size());
+  for (const std::string& name : mesh.groupNames) h.text(name);
   return h.digest();
 }
 
@@ -110,10 +112,21 @@ struct Session::State {
     return entry;
   }
 
-  const Material& materialOf(const SceneObject& object) const {
+  static std::string nameOf(const SceneObject& object) {
+    return !object.name.empty() ? object.name : object.meshFile.filename().string();
+  }
+
+  const Material& material(const std::string& name, const SceneObject& object) const {
     for (const Material& m : scene.materials)
-      if (m.name == object.material) return m;
-    throw Error(ErrorKind::Input, "objects (" + object.name + "): no material is called '" + object.material + "'");
+      if (m.name == name) return m;
+    throw Error(ErrorKind::Input, "objects (" + nameOf(object) + "): no material is called '" + name + "'");
+  }
+
+  std::vector<Body> bodiesOf(const SceneObject& o) {
+    auto mesh = std::make_shared<const Mesh>(transformed(*load(o).mesh, affine(o.placement)));
+    std::vector<GroupMaterial> groups;
+    for (const SceneGroup& g : o.groups) groups.push_back({g.name, material(g.material, o), o.priority + g.priority});
+    return bodiesByGroup(std::move(mesh), material(o.material, o), o.priority, groups, nameOf(o), ctx);
   }
 
   [[nodiscard]] Hash mediumKey() {
@@ -132,8 +145,12 @@ struct Session::State {
     for (const SceneObject& o : scene.objects) {
       if (!o.visible) continue;
       addOptions(h, o.placement);
-      addOptions(h, materialOf(o));
-      h.value(o.priority).value(load(o).key);
+      addOptions(h, material(o.material, o));
+      h.value(o.priority).value(load(o).key).value(o.groups.size());
+      for (const SceneGroup& g : o.groups) {
+        h.text(g.name).value(g.priority);
+        addOptions(h, material(g.material, o));
+      }
     }
     return h;
   }
@@ -143,9 +160,7 @@ struct Session::State {
     std::vector<Body> bodies;
     for (const SceneObject& o : scene.objects) {
       if (!o.visible) continue;
-      auto mesh = std::make_shared<const Mesh>(transformed(*load(o).mesh, affine(o.placement)));
-      const std::string name = !o.name.empty() ? o.name : o.meshFile.filename().string();
-      bodies.push_back({std::move(mesh), materialOf(o), o.priority, name});
+      for (Body& body : bodiesOf(o)) bodies.push_back(std::move(body));
     }
     return buildMedium(bodies, scene.volume.ambient, domainOf(bodies), scene.voxelise, ctx);
   }

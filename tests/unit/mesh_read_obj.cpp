@@ -54,6 +54,19 @@ TEST(MeshReadObj, MaterialsBecomeGroups) {
   EXPECT_TRUE(readText("a.obj", kCubeObj).triangleGroup.empty());
 }
 
+TEST(MeshReadObj, GroupsOrObjectsServeWhereThereIsNoMaterial) {
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 1 1 0\n", f = "f 1 2 3\n";
+  const auto groups = [&](const std::string& text) { return readText("a.obj", v + text).groupNames; };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(groups("o left\n" + f + "o right\n" + f), (Names{"left", "right"}));
+  EXPECT_EQ(groups("o body\ng left part\n" + f + "g right\n" + f), (Names{"left part", "right"})) << "g wins over o";
+  EXPECT_EQ(groups("o body\ng a\nusemtl red\n" + f + "g b\n" + f), (Names{"red"})) << "usemtl wins over both";
+  EXPECT_EQ(groups("g default\ng a\n" + f + "g b\ng a\n" + f), (Names{"a"})) << "a group without faces is none";
+  EXPECT_EQ(groups(f + "G late\n" + f), (Names{"", "late"}));
+  const Mesh mesh = readText("a.obj", v + "g a\n" + f + "g b\n" + f + f + "g a\n" + f);
+  EXPECT_EQ(mesh.triangleGroup, (std::vector<std::uint32_t>{0, 1, 1, 0}));
+}
+
 TEST(MeshReadObj, ErrorsNameTheLine) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   const std::pair<std::string, std::string> cases[] = {

@@ -148,6 +148,43 @@ TEST(SceneFile, ChecksFieldsAgainstEachOther) {
   EXPECT_TRUE(errorOf(R"({"volcaustic": 1})").first.starts_with("scene.json:/volume/bounds: "));
 }
 
+/// A scene whose object has these groups.
+std::string sceneWithGroups(const std::string& groups) {
+  return R"({"volcaustic": 1, "materials": {"glass": {}, "wine": {"index": 1.34}},
+             "objects": [{"mesh": "goblet.obj", "groups": )" +
+         groups + "}]}";
+}
+
+TEST(SceneFile, GroupsOfAnObjectHaveMaterials) {
+  const Scene scene =
+      parseScene(sceneWithGroups(
+                     R"([{"name": "red wine", "material": "wine", "priority": 2}, {"name": "", "material": "glass"}])"),
+                 "scene.json", {{"objects.0.groups.1.material=wine"}, 1});
+  const std::vector<SceneGroup>& groups = scene.objects.at(0).groups;
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].name, "red wine");
+  EXPECT_EQ(groups[0].priority, 2);
+  EXPECT_EQ(groups[1].material, "wine") << "set from outside";
+  const std::string text = sceneToJson(scene);
+  EXPECT_EQ(sceneToJson(parseScene(text, "scene.json")), text);
+  EXPECT_NE(sceneHash(scene), sceneHash(parseScene(sceneWithGroups("[]"), "scene.json")));
+}
+
+TEST(SceneFile, ErrorsInGroupsCarryTheirPointer) {
+  const auto expect = [](const std::string& groups, const std::string& start, const std::string& part) {
+    const std::string message = errorOf(sceneWithGroups(groups)).first;
+    EXPECT_TRUE(message.starts_with("scene.json:/objects/0/groups" + start)) << message;
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(R"({})", ": ", "array");
+  expect(R"(["wine"])", "/0: ", "object");
+  expect(R"([{"material": "wine"}])", "/0/name: ", "missing");
+  expect(R"([{"name": "a"}])", "/0/material: ", "missing");
+  expect(R"([{"name": "a", "material": "wnie"}])", "/0/material: ", "\"wine\"");
+  expect(R"([{"name": "a", "material": "wine"}, {"name": "a", "material": "glass"}])", "/1/name: ", "twice");
+  expect(R"([{"name": "a", "material": "wine", "prority": 1}])", "/0/prority: ", "\"priority\"");
+}
+
 TEST(SceneFile, VersionIsRequired) {
   EXPECT_TRUE(errorOf("{}").first.starts_with("scene.json:/volcaustic: is missing"));
   EXPECT_TRUE(errorOf(R"({"volcaustic": 2})").first.starts_with("scene.json:/volcaustic: version 2"));

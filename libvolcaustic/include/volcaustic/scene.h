@@ -34,6 +34,13 @@ struct Placement {
 };
 VOLCAUSTIC_API Affine affine(const Placement& placement);
 
+/// What the triangles of one group of an object's mesh enclose (bodiesByGroup).
+struct SceneGroup {
+  std::string name;               ///< one of Mesh::groupNames
+  std::string material = "glass"; ///< a name in Scene::materials
+  int priority = 0;               ///< added to the object's
+};
+
 struct SceneObject {
   std::string name;
   std::filesystem::path meshFile;   ///< mesh to read; or
@@ -42,6 +49,7 @@ struct SceneObject {
   std::string material = "glass"; ///< a name in Scene::materials
   int priority = 0;
   bool visible = true;
+  std::vector<SceneGroup> groups; ///< `material` is for all groups that are not listed
 };
 
 struct Scene {

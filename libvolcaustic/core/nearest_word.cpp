@@ -1,4 +1,4 @@
-#include "scene/nearest.h"
+#include "core/nearest_word.h"
 
 #include <algorithm>
 #include <cctype>
@@ -28,11 +28,13 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 } // namespace
 
 std::string nearestWord(std::string_view word, const std::vector<std::string>& candidates) {
-  word = word.substr(0, 256); // no key is longer; bounds the work on hostile input
+  constexpr std::size_t kLongest = 256; // no key is longer; bounds the work on hostile input
+  word = word.substr(0, kLongest);
   std::string nearest;
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const std::string& candidate : candidates)
-    if (const std::size_t distance = editDistance(word, candidate); distance < least) {
+    if (const std::size_t distance = editDistance(word, std::string_view(candidate).substr(0, kLongest));
+        distance < least) {
       least = distance;
       nearest = candidate;
     }

@@ -1,0 +1,86 @@
+// info: scenes.
+#include "info_report.h"
+#include "text_table.h"
+
+#include <volcaustic/options.h>
+#include <volcaustic/scene.h>
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace volcaustic::cli {
+
+namespace {
+
+using enum TextTable::Align;
+
+std::string triple(const std::array<double, 3>& v) { return fmt::format("{:g} {:g} {:g}", v[0], v[1], v[2]); }
+
+void printVolume(const SceneVolume& v) {
+  if (!v.file.empty()) {
+    fmt::print("  medium    {}\n", v.file.string());
+    return;
+  }
+  const std::string fineness = v.voxelSize > 0 ? fmt::format("voxels of {:g} world units", v.voxelSize)
+                                               : fmt::format("{} voxels along its longest side", v.resolution);
+  if (v.automatic)
+    fmt::print("  box       around the objects, {:g} of their longest side wider all round; {}\n", v.margin, fineness);
+  else
+    fmt::print("  box       {} to {} world units; {}\n", triple(v.bounds.min), triple(v.bounds.max), fineness);
+  fmt::print("  outside   index {:g}, attenuation {}, scattering {} per world unit, asymmetry {:g}\n", v.ambient.index,
+             triple(v.ambient.attenuation), triple(v.ambient.scattering), v.ambient.asymmetry);
+}
+
+std::string groupsText(const SceneObject& o) {
+  std::string text;
+  for (const SceneGroup& g : o.groups) text += (text.empty() ? "" : ", ") + g.name + ": " + g.material;
+  return text.empty() ? "-" : plain(text);
+}
+
+void printObjects(const Scene& scene) {
+  TextTable objects(
+      {{"object", Left}, {"mesh", Left}, {"material", Left}, {"priority"}, {"visible", Left}, {"groups", Left}});
+  for (const SceneObject& o : scene.objects)
+    objects.add({plain(o.name), plain(o.meshFile.string(), 80), plain(o.material), fmt::format("{}", o.priority),
+                 o.visible ? "yes" : "no", groupsText(o)});
+  if (!scene.objects.empty()) fmt::print("{}", objects.text("  "));
+  TextTable materials(
+      {{"material", Left}, {"index"}, {"attenuation [1/world]"}, {"scattering [1/world]"}, {"asymmetry"}});
+  for (const Material& m : scene.materials)
+    materials.add({plain(m.name), fmt::format("{:g}", m.index), triple(m.attenuation), triple(m.scattering),
+                   fmt::format("{:g}", m.asymmetry)});
+  if (!scene.materials.empty()) fmt::print("{}", materials.text("  "));
+}
+
+void printLights(const std::vector<Light>& lights) {
+  if (lights.empty()) return;
+  TextTable table({{"light", Left}, {"type", Left}, {"direction or position", Left}, {"RGB"}, {"unit", Left}});
+  for (const Light& l : lights) {
+    const bool directional = l.type == LightType::Directional;
+    table.add({plain(l.name), enumNames(l.type)[static_cast<std::size_t>(l.type)],
+               triple(directional ? l.direction : l.position), triple(directional ? l.irradiance : l.intensity),
+               directional ? "W/m2" : "W/sr"});
+  }
+  fmt::print("{}", table.text("  "));
+}
+
+} // namespace
+
+Json sceneInfo(const std::string& path, Job& job) {
+  const Scene scene = readScene(path);
+  const std::string hash = sceneHash(scene);
+  if (!job.json()) {
+    fmt::print("{}: scene {}, {} objects, {} materials, {} lights\n", path, hash, scene.objects.size(),
+               scene.materials.size(), scene.lights.size());
+    printVolume(scene.volume);
+    printObjects(scene);
+    printLights(scene.lights);
+    fmt::print("  photons   {} x {} for each light, {}\n", scene.photons.grid[0], scene.photons.grid[1],
+               enumNames(scene.photons.scheme)[static_cast<std::size_t>(scene.photons.scheme)]);
+    fmt::print("  picture   {} x {} pixels, {:g} degrees high, {} rays a pixel\n", scene.camera.resolution[0],
+               scene.camera.resolution[1], scene.camera.fieldOfView, scene.view.samples * scene.view.samples);
+  }
+  return {{"kind", "scene"}, {"sceneHash", hash}, {"scene", Json::parse(sceneToJson(scene))}};
+}
+
+} // namespace volcaustic::cli
