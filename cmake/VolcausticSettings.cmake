@@ -7,6 +7,11 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endif()
 
+# Loadable modules lie in the same folder of the build tree and of an installed prefix. dlopen finds them through the run path
+# of what holds the library's code: a program (of this project here, of others in libvolcaustic/) or the shared library.
+set(VOLCAUSTIC_MODULE_DIR ${CMAKE_INSTALL_LIBDIR}/volcaustic)
+list(APPEND CMAKE_BUILD_RPATH ${CMAKE_BINARY_DIR}/${VOLCAUSTIC_MODULE_DIR})
+
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()

@@ -1,19 +1,15 @@
 #include "core/atomic_file.h"
 #include "image/image_file.h"
+#include "image/imageio_module.h"
 #include "volcaustic/error.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <OpenImageIO/imageio.h>
 
 namespace volcaustic {
 
 namespace {
-
-using OIIO::ImageOutput;
-using OIIO::ImageSpec;
-using OIIO::TypeDesc;
 
 std::string extensionOf(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -54,30 +50,21 @@ void encodeForDisplay(std::vector<float>& pixels, double exposure) {
 
 void writeThroughOiio(const std::filesystem::path& path, const std::filesystem::path& temporary, const Image& image,
                       const ImageWriteOptions& options) {
-  const auto output = ImageOutput::create(path.string());
-  if (!output) {
-    (void)OIIO::geterror(); // taken, so that it is not reported elsewhere
-    throw Error(ErrorKind::Usage,
-                path.string() + ": no image format of this extension can be written; use .exr or .png");
-  }
   // No alpha: the picture's background is part of R, G and B already.
   const std::array channels{image.find("R"), image.find("G"), image.find("B")};
   if (std::find(channels.begin(), channels.end(), -1) != channels.end())
     throw Error(ErrorKind::Usage, path.string() + ": the image has no channels R, G and B; write an .exr");
-
-  const bool wantFloat = prefersFloat(extensionOf(path));
-  ImageSpec spec(image.width, image.height, static_cast<int>(channels.size()),
-                 wantFloat ? TypeDesc::FLOAT : TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", wantFloat ? "Linear" : "sRGB");
-  for (const auto& [key, value] : image.metadata) spec.attribute(key, value);
-  output->threads(1);
-  bool good = output->open(temporary.string(), spec);
-  if (good) {
+  const ImageFileTarget target{.path = path.string(),
+                               .temporary = temporary.string(),
+                               .width = image.width,
+                               .height = image.height,
+                               .prefersFloat = prefersFloat(extensionOf(path)),
+                               .metadata = image.metadata};
+  imageIo(target.path).write(target, [&](bool floatingPoint) {
     std::vector<float> pixels = interleaved(image, channels);
-    if (!output->spec().format.is_floating_point()) encodeForDisplay(pixels, options.exposure);
-    good = output->write_image(TypeDesc::FLOAT, pixels.data()) && output->close();
-  }
-  if (!good) throw Error(ErrorKind::File, path.string() + ": cannot be written: " + output->geterror());
+    if (!floatingPoint) encodeForDisplay(pixels, options.exposure);
+    return pixels;
+  });
 }
 
 } // namespace
