@@ -150,6 +150,17 @@ bool nodesInside(const nanovdb::NanoGrid<Value>& grid, const Handle& handle) {
   return true;
 }
 
+/// From index space to the world. Set anew, because the converter of OpenVDB 10 transposes it: rotations turn the other
+/// way. NanoVDB multiplies columns by rows of the matrix, OpenVDB rows by its columns.
+openvdb::math::Transform::Ptr transformOf(const nanovdb::Map& map) {
+  openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) matrix(row, column) = map.mMatD[3 * column + row];
+    matrix(3, row) = map.mVecD[row];
+  }
+  return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
 /// Converts the grid when it is of this value type.
 template <class Value>
 bool convertIf(const Handle& handle, const std::string& place, openvdb::GridBase::Ptr& result) {
@@ -159,6 +170,7 @@ bool convertIf(const Handle& handle, const std::string& place, openvdb::GridBase
     throw Error(ErrorKind::Input,
                 place + " is damaged: it points outside its own data; write it again with the program that made it");
   result = nanotools::nanoToOpenVDB(*grid);
+  result->setTransform(transformOf(grid->map()));
   return true;
 }
 
@@ -177,8 +189,8 @@ openvdb::GridBase::Ptr convertAny(const Handle& handle, const std::string& path)
 /// Value types that OpenVDB registers, and NanoVDB's quantised floats. Every type more costs half a minute of
 /// compilation.
 openvdb::GridBase::Ptr toOpenVdb(const Handle& handle, const std::string& path) {
-  return convertAny<float, double, std::int32_t, bool, nanovdb::Vec3f, nanovdb::Vec3d, nanovdb::Fp4, nanovdb::Fp8,
-                    nanovdb::Fp16, nanovdb::FpN>(handle, path);
+  return convertAny<float, double, std::int32_t, std::int64_t, bool, nanovdb::Vec3f, nanovdb::Vec3d, nanovdb::Fp4,
+                    nanovdb::Fp8, nanovdb::Fp16, nanovdb::FpN>(handle, path);
 }
 
 template <class GridType>
@@ -189,6 +201,7 @@ bool encodeIf(const openvdb::GridBase& grid, Handle& result) {
   return true;
 }
 
+/// The value types that NanoVDB's converter takes in OpenVDB 10: of vectors of doubles it says so only when it runs.
 template <class... GridType>
 Handle encodeAny(const openvdb::GridBase& grid, const std::string& place) {
   Handle result;
@@ -218,7 +231,7 @@ void writeNanoVdb(std::ostream& out, const openvdb::GridPtrVec& grids, const std
     for (const auto& grid : grids) {
       ctx.throwIfCancelled();
       nanovdb::io::writeGrid(out,
-                             encodeAny<FloatGrid, DoubleGrid, Int32Grid, BoolGrid, Vec3SGrid, Vec3DGrid>(*grid, place),
+                             encodeAny<FloatGrid, DoubleGrid, Int32Grid, Int64Grid, BoolGrid, Vec3SGrid>(*grid, place),
                              nanovdb::io::Codec::BLOSC);
     }
   });

@@ -1,5 +1,7 @@
 #include "volume/grids.h"
+#include "volume/lattice.h"
 #include "volume/radiance_grids.h"
+#include "volume/scalar_grid.h"
 #include "volume/vdb_file.h"
 
 #include <algorithm>
@@ -20,19 +22,16 @@ bool isFinite(const openvdb::Vec3s& v) { return v.isFinite(); }
 
 /// The grid as one of floats; doubles are rounded. \throws Error(Input) for another type or values that are not finite.
 template <class GridType>
-typename GridType::Ptr asFloats(const openvdb::GridBase::Ptr& grid, const std::string& place) {
-  using DoubleTree =
-      std::conditional_t<std::is_same_v<GridType, openvdb::FloatGrid>, openvdb::DoubleTree, openvdb::Vec3DTree>;
-  typename GridType::Ptr result;
-  if (grid->isType<GridType>()) {
-    result = openvdb::gridPtrCast<GridType>(grid);
-  } else if (const auto doubles = openvdb::gridPtrCast<openvdb::Grid<DoubleTree>>(grid)) {
-    result = GridType::create(std::make_shared<typename GridType::TreeType>(doubles->tree()));
-    result->setTransform(doubles->transformPtr());
-    result->insertMeta(*doubles);
-  } else {
+typename GridType::Ptr asFloats(const openvdb::GridBase::Ptr& grid, const std::string& place, const RunContext& ctx) {
+  constexpr bool kScalar = std::is_same_v<GridType, openvdb::FloatGrid>;
+  using Doubles = std::conditional_t<kScalar, openvdb::DoubleGrid, openvdb::Vec3DGrid>;
+  if (!grid->isType<GridType>() && !grid->isType<Doubles>())
     fail(place, "grid '" + grid->getName() + "' is of type " + grid->type() + "; expected " + GridType::gridType());
-  }
+  typename GridType::Ptr result;
+  if constexpr (kScalar)
+    result = asFloatGrid(grid, ctx);
+  else
+    result = asVec3Grid(grid, ctx);
   if (!isFinite(result->background()))
     fail(place, "grid '" + grid->getName() + "' has a background that is not finite");
   for (auto value = result->cbeginValueOn(); value; ++value)
@@ -40,25 +39,16 @@ typename GridType::Ptr asFloats(const openvdb::GridBase::Ptr& grid, const std::s
   return result;
 }
 
-void requirePlainTransform(const openvdb::GridBase& grid, const std::string& place) {
-  const openvdb::math::Transform& t = grid.transform();
-  const openvdb::Vec3d h = t.voxelSize(), origin = t.indexToWorld(openvdb::Vec3d(0));
-  bool plain = t.isLinear() && h.isFinite() && origin.isFinite() && h[0] > 0;
-  for (int a = 0; plain && a < 3; ++a) {
-    openvdb::Vec3d unit(0.0);
-    unit[a] = h[0];
-    openvdb::Vec3d index(0.0);
-    index[a] = 1;
-    plain = (t.indexToWorld(index) - origin).eq(unit, 1e-6 * h[0] + 1e-12 * origin.length());
-  }
-  if (!plain)
+void requireUpright(const openvdb::GridBase& grid, const std::string& place) {
+  if (!isUpright(grid.transform()))
     fail(place, "grid '" + grid.getName() +
-                    "' is rotated, sheared, mirrored or has voxels that are no cubes; resample it first");
+                    "' is rotated, sheared, mirrored or has voxels that are no cubes; resample it with volcaustic "
+                    "convert");
 }
 
 /// The file's own box where it has one that fits the grid, else the active voxels of the grid.
 Domain domainOf(const VdbFile& file, const openvdb::GridBase& grid, const std::string& place) {
-  requirePlainTransform(grid, place);
+  requireUpright(grid, place);
   const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
   Domain domain;
   domain.voxelSize = grid.voxelSize()[0];
@@ -93,32 +83,14 @@ Domain domainOf(const VdbFile& file, const openvdb::GridBase& grid, const std::s
   return domain;
 }
 
-/// The grid with the domain's transform: shifted by whole voxels where its own starts elsewhere.
+/// The grid with the domain's transform. \throws Error(Input) when its voxels are not the domain's.
 template <class GridType>
 typename GridType::Ptr onDomain(const typename GridType::Ptr& grid, const Domain& domain, const std::string& place) {
-  requirePlainTransform(*grid, place);
-  const auto transform = domainTransform(domain);
-  const openvdb::Vec3d offset = transform->worldToIndex(grid->indexToWorld(openvdb::Vec3d(0)));
-  const openvdb::Coord shift = openvdb::Coord::round(offset);
-  const double ratio = grid->voxelSize()[0] / domain.voxelSize;
-  if (!offset.eq(shift.asVec3d(), 1e-3) || std::abs(ratio - 1) > 1e-6)
-    fail(place, "the voxels of grid '" + grid->getName() + "' do not lie on those of the volume; resample it first");
-  auto result = grid;
-  if (shift != openvdb::Coord(0)) {
-    result = GridType::create(grid->background());
-    result->insertMeta(*grid);
-    auto voxels = result->getAccessor();
-    for (auto value = grid->cbeginValueOn(); value; ++value) {
-      openvdb::CoordBBox box = value.getBoundingBox();
-      box.translate(shift);
-      if (value.isVoxelValue())
-        voxels.setValueOn(box.min(), *value);
-      else
-        result->sparseFill(box, *value, true);
-    }
-  }
-  result->setTransform(transform);
-  return result;
+  requireUpright(*grid, place);
+  if (!liesOnLattice(*grid, domain))
+    fail(place, "the voxels of grid '" + grid->getName() +
+                    "' do not lie on those of the volume; resample it with volcaustic convert");
+  return shiftedOnto<GridType>(grid, domain);
 }
 
 template <class MetadataType, class T>
@@ -141,10 +113,10 @@ Rgb ambientRgb(const VdbFile& file, const char* key, const openvdb::Vec3SGrid::P
 }
 
 template <class GridType>
-typename GridType::Ptr gridOrNull(const VdbFile& file, const char* name, const Domain& domain,
-                                  const std::string& place) {
+typename GridType::Ptr gridOrNull(const VdbFile& file, const char* name, const Domain& domain, const std::string& place,
+                                  const RunContext& ctx) {
   const auto grid = file.find(name);
-  return grid ? onDomain<GridType>(asFloats<GridType>(grid, place), domain, place) : nullptr;
+  return grid ? onDomain<GridType>(asFloats<GridType>(grid, place, ctx), domain, place) : nullptr;
 }
 
 void requireIndexAboveZero(const openvdb::FloatGrid& index, const std::string& place) {
@@ -163,16 +135,16 @@ Medium readMedium(const std::filesystem::path& path, const RunContext& ctx) {
       fail(place, "holds no grid 'index'; it holds " + listGrids(grids));
     return found;
   });
-  const auto index = asFloats<openvdb::FloatGrid>(file.find("index"), place);
+  const auto index = asFloats<openvdb::FloatGrid>(file.find("index"), place, ctx);
   requireIndexAboveZero(*index, place);
   const Domain domain = domainOf(file, *index, place);
 
   MediumGrids grids;
   grids.index = onDomain<openvdb::FloatGrid>(index, domain, place);
-  const auto attenuation = gridOrNull<openvdb::Vec3SGrid>(file, "attenuation", domain, place);
-  const auto scattering = gridOrNull<openvdb::Vec3SGrid>(file, "scattering", domain, place);
-  const auto asymmetry = gridOrNull<openvdb::FloatGrid>(file, "asymmetry", domain, place);
-  grids.coverage = gridOrNull<openvdb::FloatGrid>(file, "coverage", domain, place);
+  const auto attenuation = gridOrNull<openvdb::Vec3SGrid>(file, "attenuation", domain, place, ctx);
+  const auto scattering = gridOrNull<openvdb::Vec3SGrid>(file, "scattering", domain, place, ctx);
+  const auto asymmetry = gridOrNull<openvdb::FloatGrid>(file, "asymmetry", domain, place, ctx);
+  grids.coverage = gridOrNull<openvdb::FloatGrid>(file, "coverage", domain, place, ctx);
   grids.attenuation = attenuation;
   grids.scattering = scattering;
   grids.asymmetry = asymmetry;
@@ -211,12 +183,12 @@ RadianceVolume readRadiance(const std::filesystem::path& path, const Domain& dom
   ctx.requireMemory(bytes, place);
 
   const bool parts = file.find("caustic") && file.find("direct");
-  const auto directions = gridOrNull<openvdb::Vec3SGrid>(file, "direction", domain, place);
+  const auto directions = gridOrNull<openvdb::Vec3SGrid>(file, "direction", domain, place, ctx);
   const BrickGrid<Vec3f> direction =
       directions ? fromVec3Grid(*directions, domain.dims, ctx) : BrickGrid<Vec3f>(domain.dims, {0, 0, 0});
   auto light = std::make_shared<RadianceBricks>(domain.dims);
   const auto fill = [&](FluenceGrid& part, const char* name) {
-    fillFluence(part, *gridOrNull<openvdb::Vec3SGrid>(file, name, domain, place), direction, factor, ctx);
+    fillFluence(part, *gridOrNull<openvdb::Vec3SGrid>(file, name, domain, place, ctx), direction, factor, ctx);
   };
   fill(light->caustic, parts ? "caustic" : "radiance");
   if (parts) fill(light->direct.stored, "direct");

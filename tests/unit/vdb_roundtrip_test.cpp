@@ -241,6 +241,93 @@ TEST(VdbConvert, NanoVdbAndBackChangesNoValue) {
   EXPECT_EQ(inspectVdb(folder / "light.nvdb").grids.size(), 4u);
 }
 
+template <class GridType>
+openvdb::GridBase::Ptr gridOf(const char* name, const typename GridType::ValueType& background,
+                              const typename GridType::ValueType& value, openvdb::GridClass gridClass) {
+  auto grid = GridType::create(background);
+  for (int i = 0; i < 50; ++i) grid->tree().setValueOn({i, i * i, -i}, value);
+  grid->tree().sparseFill(openvdb::CoordBBox({64, 64, 64}, {127, 127, 127}), value); // tiles
+  grid->setName(name);
+  grid->setGridClass(gridClass);
+  auto transform = openvdb::math::Transform::createLinearTransform(.5);
+  transform->preScale(openvdb::Vec3d(1, 2, 3));
+  transform->postRotate(.5, openvdb::math::Z_AXIS);
+  transform->postTranslate({7, 8, 9});
+  grid->setTransform(transform);
+  grid->insertMeta("author", openvdb::StringMetadata(name));
+  return grid;
+}
+
+openvdb::GridPtrVec gridsOfManyTypes() {
+  openvdb::initialize();
+  return {gridOf<openvdb::BoolGrid>("bool", false, true, openvdb::GRID_UNKNOWN),
+          gridOf<openvdb::DoubleGrid>("double", .1, 1. / 3, openvdb::GRID_FOG_VOLUME),
+          gridOf<openvdb::FloatGrid>("float", .25F, -.1F, openvdb::GRID_LEVEL_SET),
+          gridOf<openvdb::Int32Grid>("int32", -1, 1 << 30, openvdb::GRID_UNKNOWN),
+          gridOf<openvdb::Int64Grid>("int64", -1, std::int64_t{1} << 60, openvdb::GRID_UNKNOWN),
+          gridOf<openvdb::Vec3SGrid>("vec3s", {1, 2, 3}, {.1F, .2F, .3F}, openvdb::GRID_STAGGERED)};
+}
+
+TEST(VdbConvert, EveryTypeGoesThroughNanoVdb) {
+  const TemporaryFolder folder;
+  openvdb::io::File(folder / "a.vdb").write(gridsOfManyTypes());
+  convertVdb(folder / "a.vdb", folder / "a.nvdb");
+  convertVdb(folder / "a.nvdb", folder / "back.vdb");
+  for (const Difference& d : compareVdb(folder / "a.vdb", folder / "back.vdb")) EXPECT_EQ(d.maximum, 0) << d.name;
+  const VdbInfo before = inspectVdb(folder / "a.vdb"), after = inspectVdb(folder / "back.vdb");
+  ASSERT_EQ(after.grids.size(), 6u);
+  for (std::size_t i = 0; i < before.grids.size(); ++i) {
+    const GridInfo &a = before.grids[i], &b = after.grids[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.type, b.type);
+    EXPECT_EQ(a.gridClass, b.gridClass) << a.name;
+    EXPECT_EQ(a.activeVoxels, b.activeVoxels) << a.name;
+    EXPECT_EQ(a.indexMin, b.indexMin) << a.name;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.voxelSize[c], b.voxelSize[c], 1e-6) << a.name;
+  }
+}
+
+TEST(VdbConvert, NamesTheGridThatNanoVdbCannotHold) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  const auto doubles = gridOf<openvdb::Vec3DGrid>("motion", {1, 2, 3}, {.1, .2, .3}, openvdb::GRID_STAGGERED);
+  openvdb::io::File(folder / "a.vdb").write(openvdb::GridPtrVec{doubles});
+  try {
+    convertVdb(folder / "a.vdb", folder / "a.nvdb");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::Input);
+    EXPECT_NE(std::string(error.what()).find("'motion'"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.nvdb"));
+}
+
+TEST(VdbConvert, AVdbKeepsItsMetadata) {
+  const TemporaryFolder folder;
+  openvdb::MetaMap metadata;
+  metadata.insertMeta("shot", openvdb::StringMetadata("12"));
+  openvdb::io::File(folder / "a.vdb").write(gridsOfManyTypes(), metadata);
+  convertVdb(folder / "a.vdb", folder / "b.vdb");
+  const VdbInfo info = inspectVdb(folder / "b.vdb");
+  EXPECT_EQ(info.metadata.at("shot"), "12");
+  for (const GridInfo& grid : info.grids) EXPECT_EQ(grid.metadata.at("author"), grid.name);
+}
+
+TEST(ReadMedium, TakesDoubles) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  auto index = openvdb::DoubleGrid::create(1.0);
+  auto attenuation = openvdb::Vec3DGrid::create(openvdb::Vec3d(.5));
+  index->setName("index");
+  attenuation->setName("attenuation");
+  index->fill(openvdb::CoordBBox({0, 0, 0}, {9, 9, 9}), 1.33);
+  attenuation->fill(openvdb::CoordBBox({0, 0, 0}, {9, 9, 9}), openvdb::Vec3d(1, 2, 3));
+  openvdb::io::File(folder / "doubles.vdb").write(openvdb::GridPtrVec{index, attenuation});
+  const Medium medium = readMedium(folder / "doubles.vdb");
+  EXPECT_EQ(medium.grids().attenuation->tree().getValue({5, 5, 5}), openvdb::Vec3s(1, 2, 3));
+  EXPECT_EQ(medium.ambient().attenuation, (Rgb{.5, .5, .5}));
+}
+
 TEST(ReadMedium, ForeignIndexGridGivesTheBoxOfItsActiveVoxels) {
   const TemporaryFolder folder;
   openvdb::initialize();

@@ -1,10 +1,15 @@
-// convert: .vdb <-> .nvdb, and between mesh and image formats.
+// convert: .vdb <-> .nvdb, between mesh and image formats, and volumes made by others to media.
 #include "common.h"
 #include "file_kind.h"
+#include "group_material.h"
+#include "named_settings.h"
+#include "option_flags.h"
 
 #include <volcaustic/image.h>
 #include <volcaustic/mesh.h>
 #include <volcaustic/vdb.h>
+
+#include <fmt/format.h>
 
 namespace volcaustic::cli {
 
@@ -13,41 +18,108 @@ namespace {
 struct Convert {
   CommonOptions common;
   std::string in, out;
+  std::string index, attenuation, scattering, asymmetry, coverage, body;
+  MediumImport import;
+  VdbWriteOptions write;
 };
+
+constexpr const char* kMapping = "A medium from any volume: value = offset + scale * grid; RGB as 0.1/0.2/0.3";
 
 void declareConvert(CLI::App& command, Convert& o) {
   command.add_option("IN", o.in, "volume, mesh or image")->required();
   command.add_option("OUT", o.out, "file to write; its extension says the format")->required();
+  const auto mapping = [&](const char* flag, std::string& text, const char* what) {
+    command.add_option(flag, text, what)->option_text("GRID[:scale=S,offset=O]")->group(kMapping);
+  };
+  mapping("--index", o.index, "refractive index, as heat:scale=-1e-4,offset=1.0003");
+  mapping("--attenuation", o.attenuation, "extinction coefficient [1/world], as density:scale=2");
+  mapping("--scattering", o.scattering, "scattering coefficient [1/world], as density:scale=1.8/1.6/1.2");
+  mapping("--asymmetry", o.asymmetry, "Henyey-Greenstein mean cosine g");
+  mapping("--coverage", o.coverage, "solid fraction, 0 to 1");
+  command.add_option("--body", o.body, "level set or solid fraction of a body, as sphere:ior=1.5,attenuation=0.1")
+      ->option_text("GRID[:ior=N,...]")
+      ->group(kMapping);
+  addFlags(command, o.import);
+  addFlags(command, o.write, {{"half"}, {}});
 }
 
-int runConvert(const Convert& o) {
-  Job job("convert", o.common);
+/// What the command line maps; an empty import when nothing.
+MediumImport importOf(const Convert& o) {
+  MediumImport import = o.import;
+  const auto map = [](const char* flag, const std::string& text, std::optional<GridMapping>& mapping) {
+    if (text.empty()) return;
+    GridMapping& made = mapping.emplace();
+    made.grid = nameAndSettings(flag, text, [&](FieldSetter& setter) { describe(setter, made); });
+  };
+  map("--index", o.index, import.index);
+  map("--attenuation", o.attenuation, import.attenuation);
+  map("--scattering", o.scattering, import.scattering);
+  map("--asymmetry", o.asymmetry, import.asymmetry);
+  map("--coverage", o.coverage, import.coverage);
+  if (!o.body.empty()) {
+    import.body =
+        nameAndSettings("--body", o.body, [&](FieldSetter& setter) { describe(setter, import.material);
+  });
+  requirePhysical(import.material, "--body " + o.body);
+}
+return import;
+} // namespace
+
+bool mapsGrids(const Convert& o) {
+  for (const std::string* text : {&o.index, &o.attenuation, &o.scattering, &o.asymmetry, &o.coverage, &o.body})
+    if (!text->empty()) return true;
+  return false;
+}
+
+void importVolume(Job& job, const Convert& o) {
   const RunContext& ctx = job.context();
-  const FileKind kind = fileKind(o.in);
-  if (kind == FileKind::Scene)
-    throw Error(ErrorKind::Usage, o.in + ": a scene has no other format; trace or render it");
-  checkOutput(o.out, kind);
+  const Medium medium = job.timed("import", [&] { return importMedium(o.in, importOf(o), ctx); });
+  job.timed("write", [&] { writeVdb(o.out, medium, o.write, ctx); });
+  const Domain& domain = medium.domain();
+  job.report()["dims"] = domain.dims;
+  job.report()["voxelSize"] = domain.voxelSize;
+  job.console().say(fmt::format("{}: {} x {} x {} voxels of {:.6g}", o.out, domain.dims[0], domain.dims[1],
+                                domain.dims[2], domain.voxelSize));
+}
+
+void convertFile(Job& job, const Convert& o, FileKind kind) {
+  const RunContext& ctx = job.context();
   job.timed("convert", [&] {
     switch (kind) {
     case FileKind::Volume:
-      return convertVdb(o.in, o.out, {}, ctx);
+      return convertVdb(o.in, o.out, o.write, ctx);
     case FileKind::Mesh:
       return writeMesh(o.out, readMesh(o.in, ctx), {}, ctx);
     default:
       return writeImage(o.out, readImage(o.in, ctx), {}, ctx);
     }
   });
+  job.console().say(o.out + ": written");
+}
+
+int runConvert(const Convert& o) {
+  Job job("convert", o.common);
+  const FileKind kind = fileKind(o.in);
+  if (kind == FileKind::Scene)
+    throw Error(ErrorKind::Usage, o.in + ": a scene has no other format; trace or render it");
+  checkOutput(o.out, kind);
+  if (mapsGrids(o) && kind != FileKind::Volume)
+    throw Error(ErrorKind::Usage, o.in + ": is no volume, so no grid of it can be mapped");
+  if (mapsGrids(o))
+    importVolume(job, o);
+  else
+    convertFile(job, o, kind);
   job.addInput(o.in);
   job.addOutput(o.out);
-  job.console().say(o.out + ": written");
   job.finish();
   return 0;
 }
 
-} // namespace
+} // namespace volcaustic::cli
 
 void addConvertCommand(CLI::App& app, Action& action) {
-  addCommand<Convert>(app, action, "convert", ".vdb to .nvdb and back, and between mesh or image formats",
+  addCommand<Convert>(app, action, "convert",
+                      ".vdb to .nvdb and back, any volume to a medium, and between mesh or image formats",
                       declareConvert, runConvert);
 }
 

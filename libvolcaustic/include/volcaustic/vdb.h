@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,37 @@ VOLCAUSTIC_API Medium readMedium(const std::filesystem::path& path, const RunCon
 /// Reads `radiance` and `direction` (and the parts, where present) as written by writeVdb onto a given domain.
 VOLCAUSTIC_API RadianceVolume readRadiance(const std::filesystem::path& path, const Domain& domain,
                                            const RunContext& ctx = {});
+
+/// What a grid made by others means: value = offset + scale * grid, channel by channel. A grid of numbers is a grey
+/// one; of vectors, index, asymmetry and coverage take the length, in the first channel.
+struct GridMapping {
+  std::string grid;    ///< its name in the file
+  Rgb scale{1, 1, 1};  ///< what one unit of the grid is
+  Rgb offset{0, 0, 0}; ///< value where the grid is 0
+};
+
+/// Which grids of a file become a medium. What no grid is named for is the ambient value everywhere; scattering without
+/// attenuation is taken for both.
+struct MediumImport {
+  std::optional<GridMapping> index, attenuation, scattering, asymmetry, coverage;
+  /// A grid that is a body: a level set, or the solid fraction of a fog volume. It gives the coverage, and every
+  /// property that has no grid of its own goes from the ambient value to the material's, the index smoothed.
+  std::optional<std::string> body;
+  Material material;
+  Ambient ambient;      ///< where a grid is mapped, offset + scale * its background takes the place of this
+  double voxelSize = 0; ///< world units; 0 takes the smallest edge of the mapped grids' voxels
+  int padding = 2;      ///< voxels around the active ones
+  int blur = 9;         ///< width of the Gaussian on a body's index: 1 (none), 3, 5, 7, 9 or 11
+};
+
+/// A medium from the grids of any .vdb or .nvdb: numbers or vectors of any type, on any linear transforms. The lattice
+/// is that of the finest mapped grid where its voxels are upright cubes, else one of cubes; grids that do not lie on it
+/// are resampled, trilinearly (the context is told). The box is that of all active voxels. Attenuation, scattering and
+/// coverage are clamped to what they can be, with a warning.
+/// \throws Error(Usage) for a mapping that cannot be, Error(Input) naming the grids that the file does hold; for
+/// points, frustums, values that are not finite, an index that is not above zero, more scattering than attenuation.
+VOLCAUSTIC_API Medium importMedium(const std::filesystem::path& path, const MediumImport& import,
+                                   const RunContext& ctx = {});
 
 struct GridInfo {
   std::string name, type, gridClass, vectorType;
