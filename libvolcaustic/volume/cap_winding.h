@@ -1,22 +1,19 @@
-// The winding number of the caps of a mesh that does not close, and what it rounds to at the samples of a lattice. See
-// winding.h for why that is all that such a mesh needs.
+// The winding number of the caps of a mesh that does not close. See winding.h for why that is all that such a mesh
+// needs.
 #pragma once
 
-#include "volcaustic/run_context.h"
 #include "volcaustic/types.h"
-#include "volume/coverage_rows.h"
-#include "volume/winding.h"
+#include "volume/solid_angle.h"
 
 #include <array>
 #include <cstdint>
-#include <limits>
-#include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace volcaustic {
 
-/// A hierarchy of boxes over segments (N = 2) or triangles (N = 3).
+/// A hierarchy of boxes over segments (N = 2) or triangles (N = 3), one in each leaf.
 template <int N>
 struct BoxTree {
   struct Node {
@@ -25,67 +22,75 @@ struct BoxTree {
     std::uint32_t right = 0;    // second child, the first one being the next node; 0 for a leaf
   };
 
-  explicit BoxTree(std::vector<std::array<Vec3d, N>> primitives);
+  explicit BoxTree(std::vector<Weighted<N>> primitives);
 
-  std::vector<std::array<Vec3d, N>> items;
+  std::vector<Weighted<N>> items;
   std::vector<Node> nodes;
 
 private:
   std::uint32_t build(std::uint32_t first, std::uint32_t count);
 };
 
-/// The winding number of a set of caps, by a hierarchy with dipoles for what is far away (Barill, Dickson, Schmidt,
-/// Levin, Jacobson, "Fast winding numbers for soups and clouds", ACM TOG 37(4), 2018).
+/// The winding number of a set of caps: exact for what is near, groups of triangles for what is far away.
 class CapWinding {
 public:
-  /// Neither is empty; `edges` bound the caps as a whole.
-  CapWinding(std::vector<std::array<Vec3d, 3>> caps, std::vector<std::array<Vec3d, 2>> edges);
+  /// `edges` bound the caps as a whole, and are at least one. Unit: any; coordinates below 2^41.
+  CapWinding(const std::vector<std::array<Vec3d, 3>>& caps, const std::vector<std::array<Vec3d, 2>>& edges);
 
   [[nodiscard]] double at(const Vec3d& p) const;
-  /// The whole number nearest to at(x) for all x within `radius` of the centre, where one can be guaranteed.
-  [[nodiscard]] std::optional<int> nearestWhole(const Vec3d& centre, double radius) const;
+  /// roundedWinding(at(x)) of all x within `radius` of the centre, where it can be guaranteed to be one number.
+  [[nodiscard]] std::optional<int> wholeWithin(const Vec3d& centre, double radius) const;
+
+  /// Names of groups of caps, and of single ones.
+  using Group = std::uint32_t;
+  static constexpr std::array<Group, 1> kAll{0};
+  /// Adds to the points, which lie within `radius` of the centre, what is smooth within `clearance` of it, and lists
+  /// single caps, which are not.
+  void addFar(std::span<const Group> groups, const Vec3d& centre, double radius, double clearance, PointSums& points,
+              std::vector<Group>& near) const;
+  void addNear(std::span<const Group> near, PointSums& points) const;
+  [[nodiscard]] double nearAt(std::span<const Group> near, const Vec3d& p) const;
+  [[nodiscard]] const WeightedTriangle& cap(Group single) const { return mCaps.items[mCaps.nodes[single].first]; }
+
+  /// Names of groups of boundary edges, and of single ones. Away from the caps a winding number's gradient is at most
+  /// the sum of l / (4 pi d^2) over the edges, of length l at distance d, or 1 / (4 d) for a long one. Adds to
+  /// `gradient` the most that edges further than `clearance` from the centre contribute within `radius` of it, and
+  /// lists the others singly.
+  void addFarEdges(std::span<const Group> edges, const Vec3d& centre, double radius, double clearance, double& gradient,
+                   std::vector<Group>& near) const;
+  /// The most that near edges contribute within `radius` of the centre; infinite where one reaches into it.
+  [[nodiscard]] double nearGradient(std::span<const Group> near, const Vec3d& centre, double radius) const;
 
 private:
-  static constexpr double kWholeSphere = 4 * std::numbers::pi;
-  struct Dipole {
-    Vec3d centroid, areaVector;
-    double radius; // of the triangles about the centroid
+  struct Ball {
+    Vec3d centre;
+    double radius, clearance;
   };
-
-  class AngleSum;
-  void addSolidAngle(std::uint32_t node, const Vec3d& p, AngleSum& sum) const;
-  bool touches(std::uint32_t node, const Vec3d& centre, double radius) const;
-  double variation(std::uint32_t node, const Vec3d& centre, double radius, double limit) const;
+  void addGroups(Group group, const Ball& ball, PointSums& points, std::vector<Group>& near) const;
+  bool touches(Group group, const Vec3d& centre, double radius) const;
+  void addEdges(Group group, const Ball& ball, double& gradient, std::vector<Group>& near) const;
+  [[nodiscard]] double edgeGradient(Group group, double distance) const;
 
   BoxTree<3> mCaps;
   BoxTree<2> mEdges;
-  std::vector<Dipole> mDipoles;     // of the nodes of mCaps
-  std::vector<double> mEdgeLengths; // of the nodes of mEdges, summed
-  double mReach = 0;                // beyond this distance from the caps' box |at(x)| < 1/2
+  std::vector<AreaMoments> mMoments; // of the nodes of mCaps
+  std::vector<double> mEdgeLengths;  // of the nodes of mEdges, summed
+  double mReach = 0;                 // beyond this distance from the caps' box |at(x)| < 1/2
 };
 
-/// What the caps' winding number rounds to at the samples of a lattice, negated: the whole number to add to the winding
-/// number of the closed mesh. Decided for the largest octree cubes for which it is provably the same at every sample.
-class CapOffsets {
-public:
-  static constexpr std::int16_t kVaries = std::numeric_limits<std::int16_t>::min();
+/// The whole number nearest to a winding number; of two that are equally near within 2^-12, which covers the errors of
+/// at(), the one nearer to zero.
+constexpr int roundedWinding(double w) {
+  constexpr double kHalf = 0.5 - 0x1p-12;
+  const double magnitude = (w < 0 ? -w : w) + kHalf;
+  const int whole = static_cast<int>(magnitude < 32767 ? magnitude : 32767);
+  return w < 0 ? -whole : whole;
+}
 
-  CapOffsets(const LoopCaps& caps, const SubLattice& lattice, const RunContext& ctx);
+/// roundedWinding(x) of all x that differ from w by no more than `change`, where it is one number.
+std::optional<int> oneWhole(double w, double change);
 
-  /// Of a brick of the lattice (z fastest); kVaries where it is not one number.
-  [[nodiscard]] std::int16_t ofBrick(std::int64_t brick) const { return mTable[brick]; }
-  /// Of every sample of a brick, in row order.
-  void ofSamples(const Vec3i& brick, std::vector<std::int16_t>& offsets) const;
-
-private:
-  [[nodiscard]] std::optional<std::int16_t> ofCube(const Vec3i& first, int n) const;
-  void fillBricks(const Vec3i& first, int n);
-  void fillSamples(const Vec3i& origin, const Vec3i& first, int n, std::vector<std::int16_t>& offsets) const;
-
-  SubLattice mLattice;
-  CapWinding mWinding;
-  Vec3i mBricks{};
-  std::vector<std::int16_t> mTable;
-};
+/// From a point to a triangle.
+double distanceToTriangle(const Vec3d& p, const std::array<Vec3d, 3>& t);
 
 } // namespace volcaustic

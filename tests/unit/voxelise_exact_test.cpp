@@ -149,6 +149,39 @@ TEST(VoxeliseExact, AThinWallKeepsItsFraction) {
   EXPECT_EQ(c[(8 * 16 + 8) * 16 + 6], 0.0f);
 }
 
+TEST(VoxeliseExact, ThinWallsKeepTheirMeanFraction) {
+  const Domain domain = cubeDomain(16);
+  for (const double thickness : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    const Mesh wall = rotated(box({-6, -6, -0.5 * thickness}, {6, 6, 0.5 * thickness}), 0.2, 0.15);
+    EXPECT_NEAR(volume(voxelise(translated(wall, {8, 8, 8.07}), domain), domain) / 144, thickness, 0.005) << thickness;
+  }
+}
+
+TEST(VoxeliseExact, DuplicatedAndOverlappingFacesChangeNothing) {
+  const Domain domain = cubeDomain(24);
+  const Mesh ball = icosphere({12, 12, 12}, 8, 3);
+  EXPECT_EQ(differing(dense(voxelise(joined(ball, ball), domain, 4, FillRule::Exact), domain),
+                      dense(voxelise(ball, domain), domain)),
+            0);
+  // Two boxes whose tops, bottoms and one side lie in common planes.
+  const Mesh boxes = joined(box({3, 4, 5}, {14, 20, 17}), box({9, 4, 5}, {21, 12, 17}));
+  const auto inside = [](const Vec3d& p) {
+    const bool one = p[0] > 3 && p[0] < 14 && p[1] > 4 && p[1]<20, two = p[0]> 9 && p[0] < 21 && p[1] > 4 && p[1] < 12;
+    return (one || two) && p[2] > 5 && p[2] < 17;
+  };
+  EXPECT_EQ(differing(dense(voxelise(boxes, domain, 4, FillRule::Exact), domain), sampledCoverage(domain, 4, inside)),
+            0);
+}
+
+TEST(VoxeliseExact, TrianglesFarSmallerThanAVoxelAddUp) {
+  const Domain domain = cubeDomain(8);
+  for (const double radius : {0.03, 0.6, 2.4}) { // edges from 1e-3 voxel
+    const Mesh ball = icosphere({4.03, 3.97, 4.11}, radius, 5);
+    const double whole = signedVolume(ball);
+    EXPECT_NEAR(volume(voxelise(ball, domain, 8, FillRule::Exact), domain), whole, 0.03 * whole + 2.0 / 512) << radius;
+  }
+}
+
 TEST(VoxeliseExact, ThreadsDoNotChangeABit) {
   const Domain domain = cubeDomain(64);
   const Mesh knot = translated(rotated(torus(20, 7, 120, 60), 0.5, 0.7), {32, 32, 32});

@@ -122,7 +122,7 @@ inline double windingNumber(const Mesh& m, const Vec3d& p) {
     for (int i = 0; i < 3; ++i) {
       const Vec3d& q = m.positions[t[i]];
       v[i] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
-      l[i] = std::hypot(v[i][0], v[i][1], v[i][2]);
+      l[i] = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
     }
     const auto dot = [](const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
     const double det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -

@@ -1,7 +1,7 @@
 // The winding-number route, against the definition summed triangle by triangle.
 #include "unit/voxelise_support.h"
 #include "volcaustic/error.h"
-#include "volume/cap_winding.h"
+#include "volume/cap_offsets.h"
 
 #include <gtest/gtest.h>
 #include <random>
@@ -58,7 +58,66 @@ TEST(VoxeliseWinding, TriangleSoupMatchesTheDefinition) {
     for (int i = 0; i < 3; ++i) soup.positions.push_back({position(random), position(random), position(random)});
     soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   }
-  EXPECT_LE(wrongVoxels(soup), 4); // dipoles: a few samples lie within 1e-3 of one half
+  EXPECT_LE(wrongVoxels(soup), 6); // a few samples lie within 1e-3 of one half
+}
+
+/// A height field over [margin, n - margin]^2 of voxels, its rim far from flat.
+Mesh openHeightField(int n, double margin, int cells) {
+  Mesh field;
+  const auto at = [cells](int i, int j) { return static_cast<std::uint32_t>(i * (cells + 1) + j); };
+  for (int i = 0; i <= cells; ++i)
+    for (int j = 0; j <= cells; ++j) {
+      const double x = margin + (n - 2 * margin) * i / cells, y = margin + (n - 2 * margin) * j / cells;
+      field.positions.push_back({x, y, n * (0.5 + 0.2 * std::sin(5 * x / n) * std::cos(4 * y / n))});
+      if (i < cells && j < cells)
+        field.triangles.insert(field.triangles.end(), {{at(i, j), at(i + 1, j), at(i + 1, j + 1)},
+                                                       {at(i, j), at(i + 1, j + 1), at(i, j + 1)}});
+    }
+  return field;
+}
+
+TEST(VoxeliseWinding, HugeHolesMatchTheDefinition) {
+  // Whole bricks lie far from the rim here, and their winding numbers come from few points.
+  const Domain domain = cubeDomain(64);
+  const Mesh field = openHeightField(64, 3.3, 12);
+  for (const int supersample : {1, 2, 4, 8}) {
+    const auto c = dense(voxelise(field, domain, supersample, FillRule::Winding), domain);
+    SubLattice lattice;
+    while (1 << lattice.log2 < supersample) ++lattice.log2;
+    std::mt19937 random(9);
+    std::int64_t wrong = 0, inside = 0;
+    constexpr int kVoxels = 1500;
+    for (int v = 0; v < kVoxels; ++v) {
+      const Vec3i at{int(random() % 64), int(random() % 64), int(18 + random() % 28)};
+      const int i = at[0] * supersample + int(random() % unsigned(supersample));
+      const int j = at[1] * supersample + int(random() % unsigned(supersample));
+      const int k = at[2] * supersample + int(random() % unsigned(supersample));
+      Vec3d p = lattice.sample(i, j, k);
+      for (double& x : p) x /= supersample;
+      const bool expected = std::abs(windingNumber(field, p)) >= 0.5;
+      const float coverage = c[(at[0] * 64 + at[1]) * 64 + at[2]];
+      wrong += expected ? coverage == 0 : coverage == 1;
+      inside += expected;
+    }
+    EXPECT_LE(wrong, 1) << supersample;
+    EXPECT_GT(inside, kVoxels / 50);
+  }
+}
+
+TEST(VoxeliseWinding, AFlatSheetEnclosesNothing) {
+  // Winding numbers come as near to one half as one likes without reaching it.
+  Mesh sheet = box({2.2, 3.1, 8.03}, {13.7, 14.2, 8.03});
+  sheet.triangles.resize(2);
+  for (const double tilt : {0.0, 0.2}) {
+    const Mesh tilted = translated(rotated(sheet, 0, tilt), {0, 0.8 * tilt, -7 * tilt});
+    EXPECT_EQ(volume(voxelise(tilted, kDomain, 4, FillRule::Winding), kDomain), 0) << tilt;
+  }
+}
+
+TEST(VoxeliseWinding, FacesThatComeManyTimesCountManyTimes) {
+  Mesh many;
+  for (int i = 0; i < 4; ++i) many = joined(many, ballWithHole(30));
+  EXPECT_LE(wrongVoxels(many), 4);
 }
 
 TEST(VoxeliseWinding, AnInsideReachesBeyondTheMeshWhereTheDefinitionSaysSo) {
@@ -149,6 +208,60 @@ TEST(BoundaryChain, CapsCloseEveryMesh) {
   EXPECT_TRUE(boundaryChain(joined(pinched, asMesh)).empty());
 }
 
+TEST(CapOffsets, OfSamplesIsTheRoundedSum) {
+  const Mesh field = openHeightField(48, 2.7, 10);
+  const LoopCaps caps = capLoops(field, boundaryChain(field));
+  Mesh capMesh;
+  capMesh.positions = caps.positions;
+  capMesh.triangles = caps.triangles;
+  SubLattice lattice;
+  lattice.log2 = 2;
+  lattice.scale = 4;
+  lattice.size = {192, 192, 192};
+  const CapOffsets offsets(caps, lattice, {});
+  std::vector<std::int16_t> ofBrick;
+  std::int64_t checked = 0, wrong = 0;
+  for (int b = 0; b < 216; ++b) {
+    const Vec3i brick{b / 36, b / 6 % 6, b % 6};
+    offsets.ofSamples(brick, ofBrick);
+    const std::int16_t constant = offsets.ofBrick(b);
+    for (std::size_t i = 37; i < ofBrick.size(); i += 1009) {
+      if (constant != CapOffsets::kVaries) {
+        ASSERT_EQ(ofBrick[i], constant);
+      }
+      const auto at = static_cast<int>(i);
+      Vec3d p = lattice.sample(32 * brick[0] + at / 1024, 32 * brick[1] + at / 32 % 32, 32 * brick[2] + at % 32);
+      for (double& x : p) x /= 4;
+      const double w = windingNumber(capMesh, p);
+      ++checked;
+      wrong += std::abs(w + ofBrick[i]) > 0.5 + 1e-3;
+    }
+  }
+  EXPECT_GT(checked, 6000);
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(CubeInterpolation, MeetsSmoothFunctionsAtTheSamples) {
+  const Vec3d pole{-30, 11, 9}; // 3.3 half edges from the centre
+  const auto potential = [&](const Vec3d& p) { return 1 / std::hypot(p[0] - pole[0], p[1] - pole[1], p[2] - pole[2]); };
+  SubLattice lattice;
+  lattice.log2 = 2;
+  for (const bool octant : {false, true}) {
+    const CubeInterpolation whole(16, 2), cube(octant ? 8 : 16, 2);
+    CubeInterpolation::Values values;
+    for (int i = 0; i < 125; ++i) values[i] = potential({whole.node(i / 25), whole.node(i / 5 % 5), whole.node(i % 5)});
+    if (octant) values = CubeInterpolation::atOctant(values, 3); // +y, +z
+    std::vector<double> samples;
+    cube.atSamples(values, samples);
+    const int n = cube.size();
+    for (int i = 0; i < n * n * n; ++i) {
+      Vec3d p = lattice.sample(i / n / n, i / n % n, i % n);
+      if (octant) p = {p[0], p[1] + 8, p[2] + 8};
+      ASSERT_NEAR(samples[i] / potential(p), 1, 2e-3) << i;
+    }
+  }
+}
+
 TEST(CapWinding, TheHierarchyAgreesWithTheSum) {
   const Mesh mesh = ballWithHole(200);
   std::vector<std::array<Vec3d, 3>> triangles;
@@ -161,10 +274,10 @@ TEST(CapWinding, TheHierarchyAgreesWithTheSum) {
   std::uniform_real_distribution<double> position(-10, 26);
   for (int i = 0; i < 2000; ++i) {
     const Vec3d p{position(random), position(random), position(random)};
-    ASSERT_NEAR(fast.at(p), windingNumber(mesh, p), 2e-3);
+    ASSERT_NEAR(fast.at(p), windingNumber(mesh, p), 3e-4);
     // What is guaranteed of a ball holds inside it.
     const double radius = 0.3 * (1 + i % 5);
-    if (const auto whole = fast.nearestWhole(p, radius)) {
+    if (const auto whole = fast.wholeWithin(p, radius)) {
       const Vec3d q{p[0] + 0.57 * radius, p[1] - 0.57 * radius, p[2] + 0.57 * radius};
       ASSERT_LT(std::abs(windingNumber(mesh, q) - *whole), 0.5 + 2e-3);
     }
