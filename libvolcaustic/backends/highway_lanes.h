@@ -155,9 +155,38 @@ struct Double {
   VOLCAUSTIC_HD friend Double operator-(Double a, Double b) { return {hn::Sub(a.low, b.low), hn::Sub(a.high, b.high)}; }
   VOLCAUSTIC_HD friend Double operator*(Double a, Double b) { return {hn::Mul(a.low, b.low), hn::Mul(a.high, b.high)}; }
 };
+
+/// One register of doubles, half as many as there are floats in one.
+struct RealMask {
+  hn::Mask<Double::Tag> m;
+};
+struct Real {
+  using Tag = Double::Tag;
+  hn::Vec<Tag> v;
+
+  Real() = default;
+  VOLCAUSTIC_HD explicit Real(hn::Vec<Tag> v_) : v(v_) {}
+  VOLCAUSTIC_HD explicit Real(double s) : v(hn::Set(Tag(), s)) {}
+  VOLCAUSTIC_HD friend Real operator+(Real a, Real b) { return Real(hn::Add(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Real operator-(Real a, Real b) { return Real(hn::Sub(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Real operator*(Real a, Real b) { return Real(hn::Mul(a.v, b.v)); }
+  VOLCAUSTIC_HD friend Real operator/(Real a, Real b) { return Real(hn::Div(a.v, b.v)); }
+  VOLCAUSTIC_HD friend RealMask operator<(Real a, Real b) { return {hn::Lt(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend RealMask operator>(Real a, Real b) { return {hn::Gt(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend RealMask operator<=(Real a, Real b) { return {hn::Le(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend RealMask operator>=(Real a, Real b) { return {hn::Ge(a.v, b.v)}; }
+  VOLCAUSTIC_HD friend RealMask operator==(Real a, Real b) { return {hn::Eq(a.v, b.v)}; }
+};
+inline constexpr int kRealLanes = static_cast<int>(HWY_LANES(double));
+
 } // namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET
 
 namespace volcaustic::kernels {
+template <>
+struct LaneTraits<VOLCAUSTIC_INSTRUCTION_SET::Real> {
+  using Mask = VOLCAUSTIC_INSTRUCTION_SET::RealMask;
+  using Double = VOLCAUSTIC_INSTRUCTION_SET::Real;
+};
 template <>
 struct LaneTraits<VOLCAUSTIC_INSTRUCTION_SET::Float> {
   using Int = VOLCAUSTIC_INSTRUCTION_SET::Int;
@@ -167,6 +196,16 @@ struct LaneTraits<VOLCAUSTIC_INSTRUCTION_SET::Float> {
 } // namespace volcaustic::kernels
 
 namespace volcaustic::VOLCAUSTIC_INSTRUCTION_SET {
+
+VOLCAUSTIC_HD inline Real select(const RealMask& m, Real a, Real b) { return Real(hn::IfThenElse(m.m, a.v, b.v)); }
+VOLCAUSTIC_HD inline bool any(const RealMask& m) { return !hn::AllFalse(Real::Tag(), m.m); }
+VOLCAUSTIC_HD inline RealMask both(const RealMask& a, const RealMask& b) { return {hn::And(a.m, b.m)}; }
+VOLCAUSTIC_HD inline RealMask either(const RealMask& a, const RealMask& b) { return {hn::Or(a.m, b.m)}; }
+VOLCAUSTIC_HD inline Real smaller(Real a, Real b) { return Real(hn::Min(a.v, b.v)); }
+VOLCAUSTIC_HD inline Real larger(Real a, Real b) { return Real(hn::Max(a.v, b.v)); }
+VOLCAUSTIC_HD inline Real exactMulAdd(Real a, Real b, Real c) { return Real(hn::MulAdd(a.v, b.v, c.v)); }
+VOLCAUSTIC_HD inline Real unfusedSum(Real a, Real b, Real c, Real d) { return a * b + c * d; }
+VOLCAUSTIC_HD inline Real toReal(Real a) { return a; }
 
 VOLCAUSTIC_HD inline Double smaller(Double a, Double b) { return {hn::Min(a.low, b.low), hn::Min(a.high, b.high)}; }
 VOLCAUSTIC_HD inline Double larger(Double a, Double b) { return {hn::Max(a.low, b.low), hn::Max(a.high, b.high)}; }

@@ -1,6 +1,7 @@
 #include "backends/lanes.h"
 
 #include "backends/cpu_sink.h"
+#include "backends/row_pages.h"
 #include "backends/tile_emission.h"
 #include "volcaustic/error.h"
 
@@ -23,6 +24,9 @@ namespace volcaustic {
   std::uint64_t finishBlock(const kernels::LightSums<std::int32_t>& sums, kernels::FluenceVoxel* const* bricks);       \
   void finishBrick(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out);                                 \
   void view(const ViewTask& task, ViewCounts& counts);                                                                 \
+  void crossRows(const RowsTask& task, RowPages& pages);                                                               \
+  int sweepRows32(const RowSweep<std::uint32_t>& sweep);                                                               \
+  int sweepRows64(const RowSweep<std::uint64_t>& sweep);                                                               \
   }
 VOLCAUSTIC_LANE_FUNCTIONS(avx512)
 VOLCAUSTIC_LANE_FUNCTIONS(avx2)
@@ -104,13 +108,16 @@ std::vector<LaneSet> findLaneSets() {
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
     sets.push_back({"avx512", 16, avx512::emitTileRow, avx512::tracePhotons, avx512::rasterise, avx512::litLengths,
-                    avx512::lightAround, avx512::finishBlock, avx512::finishBrick, avx512::view});
+                    avx512::lightAround, avx512::finishBlock, avx512::finishBrick, avx512::view, avx512::crossRows,
+                    avx512::sweepRows32, avx512::sweepRows64});
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
     sets.push_back({"avx2", 8, avx2::emitTileRow, avx2::tracePhotons, avx2::rasterise, avx2::litLengths,
-                    avx2::lightAround, avx2::finishBlock, avx2::finishBrick, avx2::view});
+                    avx2::lightAround, avx2::finishBlock, avx2::finishBrick, avx2::view, avx2::crossRows,
+                    avx2::sweepRows32, avx2::sweepRows64});
 #endif
   sets.push_back({"scalar", 1, emitOneByOne, traceOneByOne, nullptr, litOneByOne, lightAroundOneByOne,
-                  finishBlockOneByOne, finishBrickOneByOne, viewOneByOne});
+                  finishBlockOneByOne, finishBrickOneByOne, viewOneByOne, crossRowsOneByOne, sweepRowsOneByOne,
+                  sweepRowsOneByOne});
   return sets;
 }
 

@@ -75,6 +75,11 @@ struct ViewCounts {
   std::int64_t steps = 0, notFinite = 0, stepLimit = 0;
 };
 
+struct RowsTask;
+class RowPages;
+template <class Word>
+struct RowSweep;
+
 /// Voxels of a brick and of one voxel around it, and as many more as a register may read beyond them.
 inline constexpr int kAroundVoxels = 1000, kAroundPadded = 1024;
 
@@ -102,6 +107,12 @@ struct LaneSet {
   void (*finishBrick)(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out);
   /// Writes the task's pixels into the planes.
   void (*view)(const ViewTask& task, ViewCounts& counts);
+  /// Adds the crossings of the task's triangles with the rows of its column to the pages (row_pages.h).
+  void (*crossRows)(const RowsTask& task, RowPages& pages);
+  /// Carries rows through a brick whose winding numbers, with the offset, are 0 and 1 only. The numbers of the other
+  /// rows are written to `irregular`, which grows, and their winding numbers left alone. \return how many there are
+  int (*sweepRows32)(const RowSweep<std::uint32_t>& sweep);
+  int (*sweepRows64)(const RowSweep<std::uint64_t>& sweep);
 };
 
 /// Those that this processor has, the widest first; "scalar", one photon at a time, is the last and the reference.

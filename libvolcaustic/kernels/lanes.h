@@ -7,6 +7,8 @@
 
 #include "kernels/vec.h"
 
+#include <type_traits>
+
 namespace volcaustic::kernels {
 
 template <class F>
@@ -14,6 +16,13 @@ struct LaneTraits;
 template <>
 struct LaneTraits<float> {
   using Int = std::int32_t;
+  using Mask = bool;
+  using Double = double;
+};
+/// Numbers that compute exactly with whole numbers: doubles within 2^53, and integers.
+template <class N>
+requires std::is_same_v<N, double> || std::is_integral_v<N> || std::is_same_v<N, __int128>
+struct LaneTraits<N> {
   using Mask = bool;
   using Double = double;
 };
@@ -49,6 +58,24 @@ VOLCAUSTIC_HD inline double reciprocal(double a) { return 1 / a; }
 VOLCAUSTIC_HD inline double arctangent(double a) { return std::atan(a); }
 /// a b + c, fused where the machine fuses for free.
 VOLCAUSTIC_HD constexpr float mulAdd(float a, float b, float c) { return a * b + c; }
+/// The same of numbers that are exact either way.
+template <class N>
+VOLCAUSTIC_HD constexpr N exactMulAdd(N a, N b, N c) {
+  return a * b + c;
+}
+/// a b + c d, fused on no machine.
+VOLCAUSTIC_HD inline double unfusedSum(double a, double b, double c, double d) {
+#if defined(__CUDA_ARCH__)
+  return __dadd_rn(__dmul_rn(a, b), __dmul_rn(c, d));
+#else
+  return a * b + c * d;
+#endif
+}
+/// The nearest double.
+template <class N>
+VOLCAUSTIC_HD constexpr double toReal(N a) {
+  return static_cast<double>(a);
+}
 /// Rounded towards zero.
 VOLCAUSTIC_HD constexpr std::int32_t toInt(float a) { return static_cast<std::int32_t>(a); }
 VOLCAUSTIC_HD constexpr float toFloat(std::int32_t a) { return static_cast<float>(a); }

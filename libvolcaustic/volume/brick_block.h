@@ -24,6 +24,14 @@ public:
 
   BrickBlock() : mVoxels(std::size_t{kEdge} * kPlane + kRow) {}
 
+  /// Whether all that is gathered for a brick is in the domain.
+  static bool isInside(const BrickGrid<T>& grid, const Vec3i& brick) {
+    bool inside = true;
+    for (int a = 0; a < 3; ++a)
+      inside = inside && brick[a] * kBrickSize >= Low && (brick[a] + 1) * kBrickSize + High <= grid.dims()[a];
+    return inside;
+  }
+
   /// Beyond the domain stands its nearest voxel.
   void gather(const BrickGrid<T>& grid, const Vec3i& brick) {
     if (isInside(grid, brick))
@@ -54,13 +62,6 @@ public:
   static constexpr int place(int x, int y, int z) { return (x + Low) * kPlane + (y + Low) * kRow + z + Low; }
 
 private:
-  static bool isInside(const BrickGrid<T>& grid, const Vec3i& brick) {
-    bool inside = true;
-    for (int a = 0; a < 3; ++a)
-      inside = inside && brick[a] * kBrickSize >= Low && (brick[a] + 1) * kBrickSize + High <= grid.dims()[a];
-    return inside;
-  }
-
   /// Where a neighbour's rows lie: its voxels, or one row of its constant for all.
   struct Source {
     const T* rows;

@@ -3,14 +3,15 @@
 #include "core/brick_set.h"
 #include "core/parallel.h"
 #include "volcaustic/error.h"
-#include "volume/grids.h"
 #include "volume/index_field.h"
+#include "volume/medium_store.h"
 #include "volume/optics_palette.h"
 #include "volume/step_labels.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 
 namespace volcaustic {
 
@@ -20,14 +21,29 @@ using kernels::FieldVoxel;
 
 Vec3f toFloat(const Rgb& c) { return {float(c[0]), float(c[1]), float(c[2])}; }
 
-OpticsGrids opticsOf(const Medium& medium, const RunContext& ctx) {
+/// Whether attenuation differs by so much that some step has to be shorter for it.
+bool attenuationMatters(const FlatMediumStorage& flat, const StepFieldOptions& options) {
+  kernels::Float3 low = flat.optics[0].attenuation, high = low; // a voxel
+  for (const kernels::Optics& o : flat.optics)
+    for (int c = 0; c < 3; ++c) {
+      const float a = o.attenuation[c];
+      if (c == 0) low.x = std::min(low.x, a), high.x = std::max(high.x, a);
+      if (c == 1) low.y = std::min(low.y, a), high.y = std::max(high.y, a);
+      if (c == 2) low.z = std::min(low.z, a), high.z = std::max(high.z, a);
+    }
+  // The labels compare numbers that were rounded otherwise; when in doubt, it matters.
+  return kernels::maxComponent(high - low) > 0.999 * options.attenuationTolerance;
+}
+
+/// Attenuation, scattering and asymmetry of the ambient medium everywhere.
+OpticsBricks ambientOptics(const Medium& medium) {
   const Vec3i& dims = medium.domain().dims;
-  const MediumGrids& grids = medium.grids();
   const Ambient& ambient = medium.ambient();
-  const auto asymmetry = static_cast<float>(ambient.asymmetry);
-  return {fromVec3Grid(*grids.attenuation, dims, toFloat(ambient.attenuation), ctx),
-          fromVec3Grid(*grids.scattering, dims, toFloat(ambient.scattering), ctx),
-          grids.asymmetry ? fromFloatGrid(*grids.asymmetry, dims, asymmetry, ctx) : BrickGrid<float>(dims, asymmetry)};
+  OpticsBricks optics;
+  optics.attenuation.emplace(dims, toFloat(ambient.attenuation));
+  optics.scattering.emplace(dims, toFloat(ambient.scattering));
+  optics.asymmetry.emplace(dims, static_cast<float>(ambient.asymmetry));
+  return optics;
 }
 
 class Flattener {
@@ -35,10 +51,13 @@ public:
   Flattener(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx)
       : mCtx(ctx)
       , mVoxelSize(medium.domain().voxelSize)
-      , mIndex(
-            fromFloatGrid(*medium.grids().index, medium.domain().dims, static_cast<float>(medium.ambient().index), ctx))
-      , mOptics(opticsOf(medium, ctx))
-      , mLabels(mIndex, mOptics.attenuation, mVoxelSize, options, ctx) {
+      , mOptions(options)
+      , mBricks(bricksOf(medium, ctx))
+      , mIndex(mBricks->index)
+      , mUniform(ambientOptics(medium))
+      , mOptics{mBricks->attenuation ? *mBricks->attenuation : *mUniform.attenuation,
+                mBricks->scattering ? *mBricks->scattering : *mUniform.scattering,
+                mBricks->asymmetry ? *mBricks->asymmetry : *mUniform.asymmetry} {
     const Vec3i &dims = mIndex.dims(), &bricks = mIndex.brickDims();
     mOut.dims = {dims[0], dims[1], dims[2]};
     mOut.brickDims = {bricks[0], bricks[1], bricks[2]};
@@ -53,44 +72,52 @@ public:
   }
 
   FlatMediumStorage run() {
-    findFields();
-    assignSteps(packOptics(mOptics, mVoxelSize, mOut, mCtx));
-    fillBricks();
+    const std::vector<std::int64_t> opticsBricks = packOptics(mOptics, mVoxelSize, mOut, mCtx);
+    fillFields();
+    assignSteps(opticsBricks);
+    fillSteps();
     return std::move(mOut);
   }
 
 private:
-  /// Slots for the bricks in or beside which n changes.
-  void findFields() {
-    const std::vector<std::int64_t>& band = mLabels.band();
-    std::vector<std::uint8_t> varies(band.size());
-    parallelFor(static_cast<std::int64_t>(band.size()), 64, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      IndexField field;
-      for (std::int64_t i = begin; i < end; ++i) {
-        const std::int64_t b = band[i];
-        const float n = mIndex.isConstant(b) ? mIndex.constant(b) : mIndex.voxels(b)[0];
-        if (n != mOut.ambientIndex) mOut.indexOffsets[b] = n - mOut.ambientIndex;
-        if (mIndex.uniformAround(b)) continue;
-        varies[i] = mLabels.indexRange(i) >= IndexField::kFlat;
-        if (varies[i]) continue; // the filter reaches farther and sees that too
-        field.gather(mIndex, mIndex.brickCoord(b));
-        varies[i] = !field.flat();
-      }
-    });
-    for (std::size_t i = 0; i < band.size(); ++i)
-      if (varies[i]) mFieldBricks.push_back(band[i]);
-    const std::int64_t slots = assignBrickSlots(mFieldBricks, mOut.fieldSlots);
-    mCtx.requireMemory(std::uint64_t(slots) * kernels::kFieldVoxels * sizeof(FieldVoxel), "stepField: index field");
+  /// Slots for the bricks in or beside which n may change, then labels, n, its gradient and where light bends in one
+  /// pass over the band.
+  void fillFields() {
+    BrickSet around(mIndex.brickDims());
+    around.insertAround(mIndex.occupied());
+    std::vector<std::int64_t> varying = around.sorted();
+    std::erase_if(varying, [&](std::int64_t b) { return mIndex.uniformAround(b); });
+    const std::int64_t slots = assignBrickSlots(varying, mOut.fieldSlots);
+    mCtx.requireMemory(std::uint64_t(slots) * (kernels::kFieldVoxels * sizeof(FieldVoxel) + kBrickVoxels),
+                       "stepField: index field");
     mOut.fields.resize(std::size_t(slots) * kernels::kFieldVoxels);
     std::fill_n(mOut.fields.begin(), kernels::kFieldVoxels, FieldVoxel{1, 0, 0, 0}); // slot 0
+    mBends.resize(std::size_t(slots) * kBrickVoxels);
+    mLabels.emplace(
+        mIndex, attenuationMatters(mOut, mOptions) ? &mOptics.attenuation : nullptr, mVoxelSize, mOptions, mCtx,
+        [this](std::size_t, std::int64_t brick, float range, IndexField* field) { fillField(brick, range, field); });
+    for (const std::int64_t b : varying)
+      if (mOut.fieldSlots[b] > 0) mFieldBricks.push_back(b);
+  }
+  void fillField(std::int64_t b, float range, IndexField* field) {
+    const float n = mIndex.isConstant(b) ? mIndex.constant(b) : mIndex.voxels(b)[0];
+    if (n != mOut.ambientIndex) mOut.indexOffsets[b] = n - mOut.ambientIndex;
+    if (!field) return;
+    if (range < IndexField::kFlat && field->flat()) { // the filter reaches farther than the range
+      mOut.fieldSlots[b] = 0;
+      return;
+    }
+    const auto slot = static_cast<std::size_t>(mOut.fieldSlots[b]);
+    field->filter(mOut.fields.data() + slot * kernels::kFieldVoxels);
+    field->findBends(std::span<std::uint8_t, kBrickVoxels>(mBends.data() + slot * kBrickVoxels, kBrickVoxels));
   }
 
   /// The step byte of a whole brick, without kStepBendsBit; kMixed where its voxels differ.
   [[nodiscard]] StepLabel brickLabel(std::int64_t b) const {
     const Vec3i brick = mIndex.brickCoord(b);
-    if (const StepLabel label = mLabels.ofBrick(brick); label != StepLabels::kMixed) return label;
+    if (const StepLabel label = mLabels->ofBrick(brick); label != StepLabels::kMixed) return label;
     std::array<StepLabel, kBrickVoxels> labels;
-    mLabels.ofVoxels(brick, labels);
+    mLabels->ofVoxels(brick, labels);
     const bool same = std::all_of(labels.begin(), labels.end(), [&](StepLabel l) { return l == labels[0]; });
     return same ? labels[0] : StepLabels::kMixed;
   }
@@ -105,9 +132,9 @@ private:
   void assignSteps(const std::vector<std::int64_t>& opticsBricks) {
     std::vector<OneByte> exceptions; // from the byte of the cube that they lie in
     std::array<std::int64_t, 256> frequency{};
-    for (const StepLabels::Cube& cube : mLabels.cubes()) frequency[cube.label] += cube.brickCount();
-    for (const std::int64_t b : merged(merged(mFieldBricks, mLabels.mixedBricks()), opticsBricks)) {
-      if (const StepLabel label = mLabels.ofBrick(mIndex.brickCoord(b)); label != StepLabels::kMixed)
+    for (const StepLabels::Cube& cube : mLabels->cubes()) frequency[cube.label] += cube.brickCount();
+    for (const std::int64_t b : merged(merged(mFieldBricks, mLabels->mixedBricks()), opticsBricks)) {
+      if (const StepLabel label = mLabels->ofBrick(mIndex.brickCoord(b)); label != StepLabels::kMixed)
         --frequency[label];
       const bool varies = mOut.opticsSlots[b] > 0 || mOut.fieldSlots[b] > 0;
       const StepLabel label = varies ? StepLabels::kMixed : brickLabel(b);
@@ -127,7 +154,7 @@ private:
 
   void writeSlots(const std::vector<OneByte>& exceptions) {
     const auto ambient = static_cast<std::uint8_t>(mOut.ambientStep);
-    for (const StepLabels::Cube& cube : mLabels.cubes())
+    for (const StepLabels::Cube& cube : mLabels->cubes())
       if (cube.label != ambient) setStep(cube);
     for (const auto& [brick, byte] : exceptions) mOut.stepSlots[brick] = byte != ambient ? ~std::int32_t{byte} : 0;
     const std::int64_t slots = assignBrickSlots(mStepBricks, mOut.stepSlots);
@@ -142,22 +169,18 @@ private:
           mOut.stepSlots[b++] = ~std::int32_t{cube.label};
   }
 
-  void fillBricks() {
-    parallelFor(static_cast<std::int64_t>(mStepBricks.size()), 16, mCtx,
+  void fillSteps() {
+    parallelFor(static_cast<std::int64_t>(mStepBricks.size()), 64, mCtx,
                 [&](std::int64_t begin, std::int64_t end, int) {
-                  IndexField field;
-                  for (std::int64_t i = begin; i < end; ++i) fillBrick(mStepBricks[i], field);
+                  for (std::int64_t i = begin; i < end; ++i) fillStep(mStepBricks[i]);
                 });
   }
 
-  void fillBrick(std::int64_t b, IndexField& field) {
+  void fillStep(std::int64_t b) {
     const Vec3i brick = mIndex.brickCoord(b);
     std::array<std::uint8_t, kBrickVoxels> bends{};
-    if (const std::int32_t slot = mOut.fieldSlots[b]; slot > 0) {
-      field.gather(mIndex, brick);
-      field.filter(mOut.fields.data() + std::size_t(slot) * kernels::kFieldVoxels);
-      field.findBends(bends);
-    }
+    if (const std::int32_t slot = mOut.fieldSlots[b]; slot > 0)
+      std::copy_n(mBends.begin() + static_cast<std::ptrdiff_t>(slot) * kBrickVoxels, kBrickVoxels, bends.begin());
     const std::int32_t optics = mOut.opticsSlots[b];
     if (optics > 0) {
       const std::int32_t* entries = mOut.voxelOptics.data() + std::size_t(optics) * kernels::kStepVoxels;
@@ -166,10 +189,10 @@ private:
       bends.fill(kernels::kStepBendsBit);
     }
     std::array<StepLabel, kBrickVoxels> labels;
-    if (const StepLabel label = mLabels.ofBrick(brick); label != StepLabels::kMixed)
+    if (const StepLabel label = mLabels->ofBrick(brick); label != StepLabels::kMixed)
       labels.fill(label);
     else
-      mLabels.ofVoxels(brick, labels);
+      mLabels->ofVoxels(brick, labels);
     std::uint8_t* out = mOut.steps.data() + std::size_t(mOut.stepSlots[b]) * kernels::kStepVoxels;
     std::uint8_t any = 0;
     for (int i = 0; i < kBrickVoxels; ++i) {
@@ -181,10 +204,14 @@ private:
 
   const RunContext& mCtx;
   double mVoxelSize;
-  BrickGrid<float> mIndex;
+  StepFieldOptions mOptions;
+  std::shared_ptr<const OpticsBricks> mBricks;
+  const BrickGrid<float>& mIndex;
+  OpticsBricks mUniform; ///< for what the bricks leave out
   OpticsGrids mOptics;
-  StepLabels mLabels;
+  std::optional<StepLabels> mLabels;
   std::vector<std::int64_t> mFieldBricks, mStepBricks;
+  LargeVector<std::uint8_t> mBends; ///< of the voxels of bricks with fields, by slot
   FlatMediumStorage mOut;
 };
 

@@ -56,7 +56,6 @@ inline void anyOfThree(const std::uint8_t* __restrict in, int stride, int count,
 } // namespace
 
 VOLCAUSTIC_SIMD_CLONES bool IndexField::flat() const {
-  constexpr int kRow = Block::kRow;
   std::array<float, kRow> low, high;
   const float* p = mBlock.data();
   std::copy_n(p, kRow, low.begin());
@@ -75,7 +74,7 @@ VOLCAUSTIC_SIMD_CLONES bool IndexField::flat() const {
 }
 
 VOLCAUSTIC_SIMD_CLONES void IndexField::filter(kernels::FieldVoxel* out) {
-  constexpr int kRow = Block::kRow, kPlane = Block::kPlane, kRows = kEdge * kEdge;
+  constexpr int kRows = kEdge * kEdge;
   Partial& p = mPartial;
   const float* block = mBlock.data();
   tapBoth<kPlane>(block + Block::place(0, -3, -3), kEdge * kPlane, p.v.data(), p.s.data());
@@ -91,17 +90,18 @@ VOLCAUSTIC_SIMD_CLONES void IndexField::filter(kernels::FieldVoxel* out) {
     for (int z = 0, i = row * kRow; z < kEdge; ++z, ++i) *out++ = {p.vvv[i], p.svv[i], p.vsv[i], p.vvs[i]};
 }
 
-VOLCAUSTIC_SIMD_CLONES void IndexField::findBends(std::array<std::uint8_t, kBrickVoxels>& bends) {
-  constexpr int kRow = Block::kRow, kPlane = kReach * kRow;
+VOLCAUSTIC_SIMD_CLONES void IndexField::findBends(std::span<std::uint8_t, kBrickVoxels> bends) {
+  constexpr int kReachPlane = kReach * kRow;
   Partial& p = mPartial;
   // Voxels at which the gradient is not zero (the filter's outermost weight, 1/144, aside).
   for (int x = 0; x < kReach; ++x)
-    markCurved<Block::kPlane, kRow>(mBlock.data() + Block::place(x - 1, -1, -1), kPlane, &p.curved[x * kPlane]);
-  anyOfThree(p.curved.data(), 1, kReach * kPlane, p.alongZ.data());
-  for (int x = 0; x < kReach; ++x) anyOfThree(&p.alongZ[x * kPlane], kRow, kBrickSize * kRow, &p.alongY[x * kPlane]);
+    markCurved<kPlane, kRow>(mBlock.data() + Block::place(x - 1, -1, -1), kReachPlane, &p.curved[x * kReachPlane]);
+  anyOfThree(p.curved.data(), 1, kReach * kReachPlane, p.alongZ.data());
+  for (int x = 0; x < kReach; ++x)
+    anyOfThree(&p.alongZ[x * kReachPlane], kRow, kBrickSize * kRow, &p.alongY[x * kReachPlane]);
   for (int x = 0; x < kBrickSize; ++x)
     for (int y = 0; y < kBrickSize; ++y)
-      anyOfThree(&p.alongY[x * kPlane + y * kRow], kPlane, kBrickSize, &bends[brickOffset(x, y, 0)]);
+      anyOfThree(&p.alongY[x * kReachPlane + y * kRow], kReachPlane, kBrickSize, &bends[brickOffset(x, y, 0)]);
 }
 
 } // namespace volcaustic

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace volcaustic {
 
@@ -18,19 +19,31 @@ public:
   /// turns by 0.015 degrees.
   static constexpr float kFlat = 1e-6f;
 
-  void gather(const BrickGrid<float>& index, const Vec3i& brick) { mBlock.gatherExtended(index, brick); }
+  void gather(const BrickGrid<float>& index, const Vec3i& brick) {
+    mInside = Block::isInside(index, brick);
+    mBlock.gatherExtended(index, brick);
+  }
 
   // Of the brick gathered last:
 
+  /// Whether all that was gathered is in the domain.
+  [[nodiscard]] bool inside() const { return mInside; }
+  /// The voxel before the brick's first one along each axis; rows along z are kRow numbers apart, planes kPlane.
+  [[nodiscard]] const float* around() const { return mBlock.data() + Block::place(-1, -1, -1); }
   /// Whether n is one value as far as the filter reaches.
   [[nodiscard]] bool flat() const;
   /// The kFieldVoxels entries of the brick's slot.
   void filter(kernels::FieldVoxel* out);
   /// For each voxel, whether a trilinear lookup inside it can see a gradient: 0 or kernels::kStepBendsBit.
-  void findBends(std::array<std::uint8_t, kBrickVoxels>& bends);
+  void findBends(std::span<std::uint8_t, kBrickVoxels> bends);
 
 private:
   using Block = BrickBlock<float, 3, 4>; ///< the filter's reach, and one more layer of entries on the high sides
+
+public:
+  static constexpr int kRow = Block::kRow, kPlane = Block::kPlane;
+
+private:
   static constexpr int kEdge = kernels::kFieldEdge;
   static constexpr int kReach = 10; ///< voxels along an axis that lookups inside the brick touch: -1 to 8
 
@@ -43,6 +56,7 @@ private:
   };
 
   Block mBlock;
+  bool mInside = false;
   Partial mPartial{};
 };
 

@@ -4,7 +4,7 @@
 #include "volcaustic/error.h"
 #include "volcaustic/openvdb.h"
 #include "volume/brick_collector.h"
-#include "volume/grids.h"
+#include "volume/medium_store.h"
 #include "volume/optics.h"
 #include "volume/vdb_file.h"
 #include "volume/voxelise.h"
@@ -22,8 +22,6 @@ namespace {
 constexpr int kMaxDims = 1 << 15;
 /// The same bound as for a mesh's vertices.
 constexpr double kAbsurdCoordinate = 1e15;
-
-openvdb::Vec3s toVdb(const Rgb& c) { return {float(c[0]), float(c[1]), float(c[2])}; }
 
 bool finite(const Rgb& c) { return std::isfinite(c[0]) && std::isfinite(c[1]) && std::isfinite(c[2]); }
 
@@ -63,42 +61,6 @@ RunContext shareOf(const RunContext& ctx, std::size_t i, std::size_t count) {
       ctx.onProgress(stage, (double(i) + fraction) / double(count));
     };
   return share;
-}
-
-openvdb::FloatGrid::Ptr constantFloat(const Domain& domain, double value, const char* name) {
-  auto grid = openvdb::FloatGrid::create(static_cast<float>(value));
-  grid->setName(name);
-  grid->setTransform(domainTransform(domain));
-  return grid;
-}
-
-openvdb::Vec3SGrid::Ptr constantVec3(const Domain& domain, const Rgb& value, const char* name) {
-  auto grid = openvdb::Vec3SGrid::create(toVdb(value));
-  grid->setName(name);
-  grid->setTransform(domainTransform(domain));
-  return grid;
-}
-
-/// Grids of the bricks, each set of bricks freed as soon as it is converted.
-MediumGrids toGrids(OpticsBricks&& optics, const Domain& domain, const Ambient& ambient, const RunContext& ctx) {
-  MediumGrids grids;
-  grids.index = toFloatGrid(optics.index, domain, "index", ctx);
-  optics.index = {};
-  auto coverage = toFloatGrid(optics.coverage, domain, "coverage", ctx);
-  coverage->setGridClass(openvdb::GRID_FOG_VOLUME);
-  grids.coverage = coverage;
-  optics.coverage = {};
-  const auto spectrum = [&](std::optional<BrickGrid<Vec3f>>& bricks, const Rgb& ambientValue, const char* name) {
-    auto grid = bricks ? toVec3Grid(*bricks, domain, name, ctx) : constantVec3(domain, ambientValue, name);
-    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-    grid->setVectorType(openvdb::VEC_INVARIANT);
-    bricks.reset();
-    return grid;
-  };
-  grids.attenuation = spectrum(optics.attenuation, ambient.attenuation, "attenuation");
-  grids.scattering = spectrum(optics.scattering, ambient.scattering, "scattering");
-  if (optics.asymmetry) grids.asymmetry = toFloatGrid(*optics.asymmetry, domain, "asymmetry", ctx);
-  return grids;
 }
 
 } // namespace
@@ -164,8 +126,7 @@ Medium buildMedium(std::span<const Body> bodies, const Ambient& ambient, const D
   }
   collapseUniform(optics, ctx);
   optics.index = gaussianBlur(optics.index, options.blur, ctx);
-  MediumGrids grids = toGrids(std::move(optics), domain, ambient, ctx);
-  return Medium(domain, ambient, std::make_shared<const MediumGrids>(std::move(grids)));
+  return Medium(domain, ambient, std::make_shared<MediumStore>(std::move(optics), domain, ambient, ctx));
 }
 
 Medium sampleMedium(const Domain& domain, const Ambient& ambient,
@@ -207,8 +168,7 @@ Medium sampleMedium(const Domain& domain, const Ambient& ambient,
       },
       "sample");
   varying.moveInto(optics.index, what, ctx);
-  MediumGrids grids = toGrids(std::move(optics), domain, ambient, ctx);
-  return Medium(domain, ambient, std::make_shared<const MediumGrids>(std::move(grids)));
+  return Medium(domain, ambient, std::make_shared<MediumStore>(std::move(optics), domain, ambient, ctx));
 }
 
 Medium mediumFromGrids(const Domain& domain, const Ambient& ambient, MediumGrids grids) {
@@ -228,7 +188,7 @@ Medium mediumFromGrids(const Domain& domain, const Ambient& ambient, MediumGrids
   if (!grids.attenuation) grids.attenuation = constantVec3(domain, ambient.attenuation, "attenuation");
   if (!grids.scattering) grids.scattering = constantVec3(domain, ambient.scattering, "scattering");
   if (!grids.coverage) grids.coverage = constantFloat(domain, 0, "coverage");
-  return Medium(domain, ambient, std::make_shared<const MediumGrids>(std::move(grids)));
+  return Medium(domain, ambient, std::make_shared<MediumStore>(std::move(grids)));
 }
 
 } // namespace volcaustic

@@ -9,8 +9,8 @@ namespace volcaustic {
 
 /// The three grids over one domain; the background of each is the ambient value.
 struct OpticsGrids {
-  BrickGrid<Vec3f> attenuation, scattering; ///< 1/world
-  BrickGrid<float> asymmetry;
+  const BrickGrid<Vec3f>&attenuation, &scattering; ///< 1/world
+  const BrickGrid<float>& asymmetry;
 };
 
 /// Fills opticsSlots, voxelOptics, optics and attenuates. Entries are numbered in the order in which the domain's

@@ -1,7 +1,7 @@
 // The step field as a VDB grid whose nodes are the octree's cubes where the two agree (Vyatkin and Dolgovesov,
 // "Volume-oriented visualization of caustics ...", section 3).
 #include "core/parallel.h"
-#include "volume/grids.h"
+#include "volume/medium_store.h"
 #include "volume/step_labels.h"
 
 #include <openvdb/tools/Prune.h>
@@ -53,9 +53,9 @@ void addLeaves(openvdb::Int32Grid::Accessor& accessor, const StepLabels& labels,
 
 openvdb::Int32Grid::Ptr stepFieldGrid(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx) {
   const Domain& domain = medium.domain();
-  const MediumGrids& grids = medium.grids();
-  const BrickGrid<float> index = fromFloatGrid(*grids.index, domain.dims, ctx);
-  const StepLabels labels(index, fromVec3Grid(*grids.attenuation, domain.dims, ctx), domain.voxelSize, options, ctx);
+  const std::shared_ptr<const OpticsBricks> bricks = bricksOf(medium, ctx);
+  const BrickGrid<float>& index = bricks->index;
+  const StepLabels labels(index, bricks->attenuation ? &*bricks->attenuation : nullptr, domain.voxelSize, options, ctx);
   auto grid = openvdb::Int32Grid::create(0);
   grid->setName("stepField");
   grid->setTransform(domainTransform(domain));

@@ -16,7 +16,7 @@ constexpr int kTopLevel = 12; // 4096 voxels: the edge of OpenVDB's largest node
 
 using IndexBlock = BrickBlock<float, 1, 1>;
 using AttenuationBlock = BrickBlock<Vec3f, 1, 1>;
-static_assert(IndexBlock::kRow == AttenuationBlock::kRow);
+static_assert(IndexBlock::kRow == AttenuationBlock::kRow && IndexBlock::kRow == IndexField::kRow);
 
 /// Minima and maxima over the 4^3 voxels of each 2^3 cell of a brick and one voxel around it.
 template <int Channels>
@@ -26,9 +26,10 @@ struct CellRanges {
 
   std::array<float, kCells * kCells * kCells * Channels> low, high; ///< cells z fastest, channels inside
 
-  void run(const float* block) {
+  /// Of a block whose planes are `stride` numbers apart.
+  void run(const float* block, int stride) {
     for (int x = 0; x < kCells; ++x)
-      reduce<kPlane>(block + 2 * x * kPlane, block + 2 * x * kPlane, kPlane, &mLowX[x * kPlane], &mHighX[x * kPlane]);
+      reduce<kPlane>(block + 2 * x * stride, block + 2 * x * stride, stride, &mLowX[x * kPlane], &mHighX[x * kPlane]);
     for (int xy = 0; xy < kCells * kCells; ++xy) {
       const int from = xy / kCells * kPlane + xy % kCells * 2 * kRow;
       reduce<kRow>(&mLowX[from], &mHighX[from], kRow, &mLowY[xy * kRow], &mHighY[xy * kRow]);
@@ -54,33 +55,36 @@ private:
   std::array<float, kCells * kCells * kRow> mLowY, mHighY;
 };
 
-VOLCAUSTIC_SIMD_CLONES void findRanges(const float* block, CellRanges<1>& ranges) { ranges.run(block); }
-VOLCAUSTIC_SIMD_CLONES void findRanges(const float* block, CellRanges<3>& ranges) { ranges.run(block); }
+VOLCAUSTIC_SIMD_CLONES void findRanges(const float* block, int stride, CellRanges<1>& ranges) {
+  ranges.run(block, stride);
+}
+VOLCAUSTIC_SIMD_CLONES void findRanges(const float* block, int stride, CellRanges<3>& ranges) {
+  ranges.run(block, stride);
+}
 
 } // namespace
 
 /// Ranges inside one brick, of cubes with one voxel around them: what a lookup inside the cube can see.
 class StepLabels::Ranges {
 public:
-  Ranges(const BrickGrid<float>& index, const BrickGrid<Vec3f>& attenuation)
+  Ranges(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation)
       : mIndex(index), mAttenuation(attenuation) {}
 
   void look(std::int64_t b) {
-    const Vec3i brick = mIndex.brickCoord(b);
     mIndexVaries = !mIndex.uniformAround(b);
-    mAttenuationVaries = !mAttenuation.uniformAround(b);
+    mAttenuationVaries = mAttenuation && !mAttenuation->uniformAround(b);
     mConstant.low[0] = mIndexVaries ? 0 : mIndex.constant(b);
-    for (int c = 0; c < 3; ++c) mConstant.low[c + 1] = mAttenuationVaries ? 0 : mAttenuation.constant(b)[c];
+    for (int c = 0; c < 3; ++c)
+      mConstant.low[c + 1] = mAttenuation && !mAttenuationVaries ? mAttenuation->constant(b)[c] : 0;
     mConstant.high = mConstant.low;
-    if (mIndexVaries) {
-      mIndexBlock.gather(mIndex, brick);
-      findRanges(mIndexBlock.data(), mIndexCells);
-    }
+    if (mIndexVaries) findIndexRanges(mIndex.brickCoord(b));
     if (mAttenuationVaries) {
-      mAttenuationBlock.gather(mAttenuation, brick);
-      findRanges(mAttenuationBlock.data()->data(), mAttenuationCells);
+      mAttenuationBlock.gather(*mAttenuation, mIndex.brickCoord(b));
+      findRanges(mAttenuationBlock.data()->data(), AttenuationBlock::kPlane * 3, mAttenuationCells);
     }
   }
+  /// n around the brick, or null where it is one value.
+  [[nodiscard]] IndexField* field() { return mIndexVaries ? &mField : nullptr; }
   /// Of the cube of n^3 cells from `first` on.
   [[nodiscard]] Range of(const Vec3i& first, int n) const {
     if (!mIndexVaries && !mAttenuationVaries) return mConstant;
@@ -92,6 +96,15 @@ public:
   }
 
 private:
+  void findIndexRanges(const Vec3i& brick) {
+    mField.gather(mIndex, brick);
+    if (mField.inside()) {
+      findRanges(mField.around(), IndexField::kPlane, mIndexCells);
+    } else { // the field goes on beyond the domain's faces where a lookup does not
+      mIndexBlock.gather(mIndex, brick);
+      findRanges(mIndexBlock.data(), IndexBlock::kPlane, mIndexCells);
+    }
+  }
   [[nodiscard]] Range ofCell(int x, int y, int z) const {
     const int i = (x * kCells + y) * kCells + z;
     Range r = mConstant;
@@ -108,30 +121,31 @@ private:
   }
 
   const BrickGrid<float>& mIndex;
-  const BrickGrid<Vec3f>& mAttenuation;
+  const BrickGrid<Vec3f>* mAttenuation;
   bool mIndexVaries = false, mAttenuationVaries = false;
   Range mConstant{};
+  IndexField mField;
   IndexBlock mIndexBlock;
   AttenuationBlock mAttenuationBlock;
   CellRanges<1> mIndexCells;
   CellRanges<3> mAttenuationCells;
 };
 
-StepLabels::StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>& attenuation, double voxelSize,
-                       const StepFieldOptions& options, const RunContext& ctx)
+StepLabels::StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, double voxelSize,
+                       const StepFieldOptions& options, const RunContext& ctx, const Visit& visit)
     : mVoxelSize(voxelSize), mOptions(options), mDims(index.dims()) {
   if (options.indexTolerance > options.indexTolerance2)
     throw Error(ErrorKind::Usage,
                 "stepField: indexTolerance is above indexTolerance2; the first is the tighter of the two");
-  const Vec3f& a = attenuation.background();
+  const Vec3f a = attenuation ? attenuation->background() : Vec3f{0, 0, 0};
   mAmbient.low = mAmbient.high = {index.background(), a[0], a[1], a[2]};
   BrickSet band(index.brickDims());
   band.insertAround(index.occupied());
-  band.insertAround(attenuation.occupied());
+  if (attenuation) band.insertAround(attenuation->occupied());
   mBand = band.sorted();
   ctx.requireMemory(mBand.size() * (sizeof(Range) + sizeof(Cells) + sizeof(Vec3i) + sizeof(std::int64_t)),
                     "stepField: labels");
-  labelBand(index, attenuation, ctx);
+  labelBand(index, attenuation, ctx, visit);
   while (static_cast<int>(mLevels.size()) + kBrickLog2 <= kTopLevel && mLevels.back().cubeCount() > 1)
     mLevels.push_back(coarser(mLevels.back(), static_cast<int>(mLevels.size())));
   const Vec3i& top = mLevels.back().dims;
@@ -149,12 +163,13 @@ StepLabel StepLabels::classify(const Range& r, int level) const {
   return kMixed;
 }
 
-void StepLabels::labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>& attenuation, const RunContext& ctx) {
+void StepLabels::labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, const RunContext& ctx,
+                           const Visit& visit) {
   Level bricks(index.brickDims());
   bricks.resize(mBand.size());
   mCells.resize(mBand.size());
   for (std::size_t i = 0; i < mBand.size(); ++i) bricks.slots[mBand[i]] = static_cast<std::int32_t>(i + 1);
-  parallelFor(static_cast<std::int64_t>(mBand.size()), 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+  parallelFor(static_cast<std::int64_t>(mBand.size()), 32, ctx, [&](std::int64_t begin, std::int64_t end, int) {
     Ranges ranges(index, attenuation);
     for (std::int64_t i = begin; i < end; ++i) {
       ranges.look(mBand[i]);
@@ -162,6 +177,7 @@ void StepLabels::labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>
       bricks.ranges[i] = ranges.of({0, 0, 0}, kCells);
       bricks.labels[i] = classify(bricks.ranges[i], kBrickLog2);
       if (bricks.labels[i] == kMixed) labelCells(ranges, mCells[i]);
+      if (visit) visit(static_cast<std::size_t>(i), mBand[i], bricks.ranges[i].ofIndex(), ranges.field());
     }
   });
   for (std::size_t i = 0; i < mBand.size(); ++i)

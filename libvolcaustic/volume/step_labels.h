@@ -7,10 +7,12 @@
 #include "core/large_memory.h"
 #include "kernels/flat_medium.h"
 #include "volcaustic/medium.h"
+#include "volume/index_field.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -21,9 +23,15 @@ using StepLabel = std::uint8_t;
 
 class StepLabels {
 public:
-  /// Both grids over the same domain. \throws Error(Usage) for tolerances in the wrong order.
-  StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>& attenuation, double voxelSize,
-             const StepFieldOptions& options, const RunContext& ctx);
+  /// Called once for each brick of the band, from several threads: its place in the band, the brick, the greatest minus
+  /// the least n in it and one voxel around it, and n in its surroundings, gathered; null where n is one value there.
+  using Visit = std::function<void(std::size_t i, std::int64_t brick, float range, IndexField* field)>;
+
+  /// Both grids over the same domain; without one of attenuation its range stays within the tolerance everywhere. One
+  /// pass over the bricks in or beside which something varies labels them and visits them.
+  /// \throws Error(Usage) for tolerances in the wrong order.
+  StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, double voxelSize,
+             const StepFieldOptions& options, const RunContext& ctx, const Visit& visit = {});
 
   /// A cube of whole bricks under one label, clipped to the domain.
   struct Cube {
@@ -40,9 +48,6 @@ public:
   /// Bricks in or beside which n or attenuation is not the background, in order. Of all others n and attenuation are
   /// the backgrounds, one voxel around them too.
   [[nodiscard]] const std::vector<std::int64_t>& band() const { return mBand; }
-
-  /// Greatest minus least n in brick `i` of the band and one voxel around it.
-  [[nodiscard]] float indexRange(std::size_t i) const { return mLevels[0].ranges[i].ofIndex(); }
 
   static constexpr StepLabel kMixed = 0xff;
   /// The label of a whole brick, or kMixed.
@@ -88,7 +93,8 @@ private:
   };
 
   [[nodiscard]] StepLabel classify(const Range& r, int level) const;
-  void labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>& attenuation, const RunContext& ctx);
+  void labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, const RunContext& ctx,
+                 const Visit& visit);
   void labelCells(const Ranges& ranges, Cells& labels) const;
   [[nodiscard]] Level coarser(const Level& fine, int level) const;
   [[nodiscard]] StepLabel ofCube(int level, const Vec3i& cube) const;

@@ -63,24 +63,45 @@ struct Body {
   std::string name; ///< for messages
 };
 
+/// What the triangles of one group of a mesh enclose, where that differs from the rest of the mesh: the wine of a
+/// glass.
+struct GroupMaterial {
+  std::string group; ///< one of Mesh::groupNames
+  Material material;
+  int priority = 0; ///< as of a Body
+};
+
+/// The bodies of a mesh whose groups are made of different materials: the triangles of no listed group first, of
+/// material `rest` and priority `priority`, then the listed groups in their order. Groups of equal material and
+/// priority (and those equal to the rest) are one body, so that a surface may be split into groups and still be closed.
+/// A body without a triangle is left out; without `groups` the mesh itself is the only body. \throws Error(Input)
+/// "name: no group is called ..." with the nearest group that the mesh has, or for a group that is listed twice.
+VOLCAUSTIC_API std::vector<Body> bodiesByGroup(std::shared_ptr<const Mesh> mesh, const Material& rest, int priority,
+                                               std::span<const GroupMaterial> groups, const std::string& name,
+                                               const RunContext& ctx = {});
+
 struct MediumGrids; // the OpenVDB grids; see openvdb.h
 
-/// An immutable optical medium over a domain. Cheap to copy: grids are shared.
+class MediumStore;
+
+/// An immutable optical medium over a domain. Cheap to copy: what it holds is shared.
 class VOLCAUSTIC_API Medium {
 public:
   Medium() = default;
-  Medium(Domain domain, Ambient ambient, std::shared_ptr<const MediumGrids> grids)
-      : mDomain(domain), mAmbient(ambient), mGrids(std::move(grids)) {}
+  Medium(Domain domain, Ambient ambient, std::shared_ptr<MediumStore> store)
+      : mDomain(domain), mAmbient(ambient), mStore(std::move(store)) {}
 
   [[nodiscard]] const Domain& domain() const { return mDomain; }
   [[nodiscard]] const Ambient& ambient() const { return mAmbient; }
-  [[nodiscard]] const MediumGrids& grids() const { return *mGrids; }
-  [[nodiscard]] explicit operator bool() const { return mGrids != nullptr; }
+  /// Of a medium that was built here they are made on the first call, from any thread.
+  [[nodiscard]] const MediumGrids& grids() const;
+  [[nodiscard]] MediumStore& store() const { return *mStore; }
+  [[nodiscard]] explicit operator bool() const { return mStore != nullptr; }
 
 private:
   Domain mDomain;
   Ambient mAmbient;
-  std::shared_ptr<const MediumGrids> mGrids;
+  std::shared_ptr<MediumStore> mStore;
 };
 
 /// Domain around a box: `resolution` voxels along its longest side (or the given voxel size), plus `padding` voxels on
@@ -106,14 +127,17 @@ struct SurfaceOptions {
   double isovalue = 0.5;         ///< ignored where `automaticIsovalue`
   bool automaticIsovalue = true; ///< 0.5 for fog volumes and coverage, 0 for level sets
   double adaptivity = 0;         ///< 0 keeps every polygon, 1 merges flat regions the most
+  bool sharpen = true;           ///< `coverage` at 0.5: keeps corners, edges, and what is thinner than a voxel
 };
 
-/// Iso-surface of a scalar grid of a .vdb or .nvdb file, oriented outwards, in world space.
+/// Iso-surface of a grid of a .vdb or .nvdb file (numbers of any type, or the length of vectors where such a grid is
+/// named), in world space, the background's side outside (docs/algorithms/surface.md). Closed and consistently wound.
 /// \throws Error(File), Error(Input) naming the file and the grids it does hold.
 VOLCAUSTIC_API Mesh surfaceFromVdb(const std::filesystem::path& path, const SurfaceOptions& options = {},
                                    const RunContext& ctx = {});
 
-/// Iso-surface at coverage one half of a medium built here.
-VOLCAUSTIC_API Mesh surfaceFromMedium(const Medium& medium, double isovalue = 0.5, double adaptivity = 0);
+/// The same of the coverage of a medium built here; `options.grid` does not matter.
+VOLCAUSTIC_API Mesh surfaceFromMedium(const Medium& medium, const SurfaceOptions& options = {},
+                                      const RunContext& ctx = {});
 
 } // namespace volcaustic
