@@ -4,6 +4,7 @@
 #include "volcaustic/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cuda_runtime.h>
 #include <string>
@@ -39,11 +40,11 @@ private:
   int mBefore = 0;
 };
 
-/// A stream of its own, that does not wait for the default stream, and the count of what was allocated in it. Use it
-/// (and destroy it) under a DeviceScope.
+/// A stream of its own, that does not wait for the default stream, and the count of what was allocated in it. `what`
+/// names its work in errors. Use it (and destroy it) under a DeviceScope.
 class DeviceStream {
 public:
-  explicit DeviceStream(int ordinal) : mOrdinal(ordinal) {
+  DeviceStream(int ordinal, const char* what) : mOrdinal(ordinal), mWhat(what) {
     int pools = 0;
     check(cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, ordinal), ordinal, "cannot be used");
     mHasPools = pools != 0;
@@ -57,6 +58,7 @@ public:
   DeviceStream& operator=(const DeviceStream&) = delete;
 
   [[nodiscard]] int ordinal() const { return mOrdinal; }
+  [[nodiscard]] const char* what() const { return mWhat; }
   [[nodiscard]] cudaStream_t get() const { return mStream; }
   [[nodiscard]] std::uint64_t usedBytes() const { return mUsed; }
   [[nodiscard]] std::uint64_t peakBytes() const { return mPeak; }
@@ -91,6 +93,7 @@ private:
   }
 
   int mOrdinal;
+  const char* mWhat;
   bool mHasPools = false;
   cudaStream_t mStream = nullptr;
   std::uint64_t mUsed = 0, mPeak = 0;
@@ -107,14 +110,43 @@ public:
   DeviceEvent(const DeviceEvent&) = delete;
   DeviceEvent& operator=(const DeviceEvent&) = delete;
 
-  void record() { check(cudaEventRecord(mEvent, mStream->get()), mStream->ordinal(), "photons"); }
+  void record() { check(cudaEventRecord(mEvent, mStream->get()), mStream->ordinal(), mStream->what()); }
   /// Until everything before the latest record() is done; at once when there was none.
-  void wait() const { check(cudaEventSynchronize(mEvent), mStream->ordinal(), "photons"); }
+  void wait() const { check(cudaEventSynchronize(mEvent), mStream->ordinal(), mStream->what()); }
 
 private:
   const DeviceStream* mStream;
   cudaEvent_t mEvent = nullptr;
 };
+
+/// Keeps few launches on their way, so that between them the run can be cancelled.
+class FewInFlight {
+public:
+  explicit FewInFlight(const DeviceStream& stream) : mMarks{DeviceEvent(stream), DeviceEvent(stream)} {}
+
+  /// Calls submit(), which launches, once what was launched the time before the last is done.
+  template <class Submit>
+  void launch(const Submit& submit) {
+    mMarks[mNext].wait();
+    submit();
+    mMarks[mNext].record();
+    mNext = (mNext + 1) % static_cast<int>(mMarks.size());
+  }
+
+private:
+  std::array<DeviceEvent, 2> mMarks;
+  int mNext = 0;
+};
+
+template <class... Parameters, class... Arguments>
+void launchKernel(const DeviceStream& stream, void (*kernel)(Parameters...), std::int64_t blocks, int threads,
+                  const Arguments&... arguments) {
+  cudaLaunchConfig_t config{};
+  config.gridDim = dim3(static_cast<unsigned>(blocks));
+  config.blockDim = dim3(static_cast<unsigned>(threads));
+  config.stream = stream.get();
+  check(cudaLaunchKernelEx(&config, kernel, arguments...), stream.ordinal(), stream.what());
+}
 
 /// Elements in device memory, allocated, copied and freed in the order of a stream.
 template <class T>

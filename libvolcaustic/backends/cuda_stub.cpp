@@ -1,4 +1,5 @@
 #include "backends/cuda.h"
+#include "backends/cuda_voxeliser.h"
 #include "backends/photon_tracer.h"
 #include "volcaustic/error.h"
 
@@ -8,12 +9,16 @@ namespace {
 
 constexpr const char* kWhy = "this build has no CUDA backend; configure with nvcc on PATH or VOLCAUSTIC_CUDA=ON";
 
+[[noreturn]] void refuse(int ordinal) {
+  throw Error(ErrorKind::Device, "cuda:" + std::to_string(ordinal) + ": " + kWhy + ", or use --device cpu");
+}
+
 } // namespace
 
 CudaDevices findCudaDevices() { return {{}, kWhy, false}; }
 
-std::unique_ptr<PhotonTracer> makeCudaTracer(const TracerSetup&, const RunContext&, int ordinal) {
-  throw Error(ErrorKind::Device, "cuda:" + std::to_string(ordinal) + ": " + kWhy + ", or use --device cpu");
-}
+std::unique_ptr<PhotonTracer> makeCudaTracer(const TracerSetup&, const RunContext&, int ordinal) { refuse(ordinal); }
+
+void countOnCuda(const CountTask&, const TakeBricks&, const RunContext&, int ordinal) { refuse(ordinal); }
 
 } // namespace volcaustic

@@ -21,7 +21,6 @@ constexpr unsigned kAllLanes = 0xffffffffu;
 constexpr int kTileColumns = 8, kTileRows = kWarp / kTileColumns;
 // Cells that one launch carries; between launches the run can be cancelled, and tells its progress.
 constexpr std::int64_t kLaunchCells = 1 << 20;
-constexpr int kLaunchesInFlight = 2;
 
 /// Photons of a launch that wait to be carried.
 struct PhotonQueue {
@@ -105,11 +104,11 @@ public:
       , mEmitBlocks(residentBlocks(emitRows, ordinal))
       , mQueueBlocks(residentBlocks(queuePhotons, ordinal))
       , mTraceBlocks(residentBlocks(tracePhotons, ordinal))
-      , mStream(ordinal)
+      , mStream(ordinal, "photons")
       , mMedium(mStream, setup.medium)
       , mLight(mStream, setup, ctx)
       , mQueueEnds(mStream, 2, kQueue)
-      , mInFlight{DeviceEvent(mStream), DeviceEvent(mStream)}
+      , mInFlight(mStream)
       , mDone(mStream) {}
 
   void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, float* entry) {
@@ -185,28 +184,22 @@ private:
   template <class Submit>
   void forEachLaunch(const EmissionFrame& frame, RowRange rows, std::string_view stage, const Submit& submit) {
     const auto step = static_cast<std::int32_t>(rowsOfLaunch(frame));
-    int slot = 0;
     for (std::int32_t row = rows.begin; row < rows.end;) {
-      mInFlight[slot].wait();
-      if (stage.empty())
-        mCtx.throwIfCancelled();
-      else
-        mCtx.progress(stage, static_cast<double>(row - rows.begin) / (rows.end - rows.begin));
       const RowRange part{row, rows.end - row > step ? row + step : rows.end};
-      submit(part);
-      mInFlight[slot].record();
-      slot = (slot + 1) % kLaunchesInFlight;
+      mInFlight.launch([&] {
+        if (stage.empty())
+          mCtx.throwIfCancelled();
+        else
+          mCtx.progress(stage, static_cast<double>(row - rows.begin) / (rows.end - rows.begin));
+        submit(part);
+      });
       row = part.end;
     }
   }
 
   template <class... Parameters, class... Arguments>
   void launch(void (*kernel)(Parameters...), int blocks, const Arguments&... arguments) {
-    cudaLaunchConfig_t config{};
-    config.gridDim = dim3(static_cast<unsigned>(blocks));
-    config.blockDim = dim3(kBlock);
-    config.stream = mStream.get();
-    check(cudaLaunchKernelEx(&config, kernel, arguments...), mStream.ordinal(), "photons");
+    launchKernel(mStream, kernel, blocks, kBlock, arguments...);
   }
 
   const RunContext mCtx;
@@ -217,7 +210,7 @@ private:
   DeviceLight mLight;
   DeviceEntry mEntry;
   DeviceArray<std::uint32_t> mQueue, mQueueEnds; ///< cells; filled, taken
-  std::array<DeviceEvent, kLaunchesInFlight> mInFlight;
+  FewInFlight mInFlight;
   DeviceEvent mDone;
 };
 

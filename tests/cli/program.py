@@ -17,6 +17,18 @@ DATA = pathlib.Path(os.environ.get("VOLCAUSTIC_DATA", "../../data"))
 OCTAHEDRON = """v 0.5 0 0\nv -0.5 0 0\nv 0 0.5 0\nv 0 -0.5 0\nv 0 0 0.5\nv 0 0 -0.5
 f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n"""
 
+# Its corners as numbers, and OBJ text of it moved and scaled.
+OCTAHEDRON_CORNERS = [(0.5, 0, 0), (-0.5, 0, 0), (0, 0.5, 0), (0, -0.5, 0), (0, 0, 0.5), (0, 0, -0.5)]
+
+
+def octahedron(scale=1.0, centre=(0.0, 0.0, 0.0), first_vertex=1, material=None):
+    """OBJ text of the octahedron; `first_vertex` is the number of its first vertex in a file of several."""
+    vertices = ["v " + " ".join(repr(scale * x + c) for x, c in zip(corner, centre)) for corner in OCTAHEDRON_CORNERS]
+    faces = [line.split()[1:] for line in OCTAHEDRON.splitlines() if line.startswith("f")]
+    moved = ["f " + " ".join(str(int(v) + first_vertex - 1) for v in face) for face in faces]
+    return "\n".join(vertices + ([f"usemtl {material}"] if material else []) + moved) + "\n"
+
+
 SMALL_SCENE = {
     "volcaustic": 1,
     "volume": {"resolution": 24, "margin": 0.5, "attenuation": [0.2, 0.2, 0.2], "scattering": [0.1, 0.15, 0.2]},

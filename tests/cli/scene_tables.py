@@ -9,6 +9,8 @@ def kind(field):
         return '`"auto"` or `{min, max}`'
     if "enum" in field:
         return " ".join(f"`{json.dumps(value)}`" for value in field["enum"])
+    if field["type"] == "array" and "properties" in field["items"]:
+        return f"array of `{{{', '.join(field['items']['properties'])}}}`"
     if field["type"] == "array":
         return f"{field['minItems']} × {field['items']['type']}"
     return field["type"]
@@ -29,6 +31,15 @@ def table(fields, required=()):
     return "\n".join(lines)
 
 
+def section_text(key, section, fields, level="###"):
+    """The table of a section, then those of the lists inside it."""
+    text = f"{level} `{key}`: {section['description']}\n\n{table(fields['properties'], fields.get('required', ()))}\n\n"
+    for name, field in fields["properties"].items():
+        if "properties" in field.get("items", {}):
+            text += section_text(f"{key}[].{name}", field, field["items"], level + "#")
+    return text
+
+
 def tables(schema):
     """One table for each section, in the order of the schema."""
     text = ""
@@ -36,7 +47,7 @@ def tables(schema):
         fields = next((s for s in (section, section.get("items", {}), section.get("additionalProperties", {}))
                        if isinstance(s, dict) and "properties" in s), None)
         if fields:
-            text += f"### `{key}`: {section['description']}\n\n{table(fields['properties'], fields.get('required', ()))}\n\n"
+            text += section_text(key, section, fields)
     return text.rstrip() + "\n"
 
 

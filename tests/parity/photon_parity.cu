@@ -1,8 +1,8 @@
 // The CUDA backend against the CPU's reference, one photon at a time, for the same rasters through the same media.
 
-#include "backends/cuda.h"
 #include "backends/photon_tracer.h"
 #include "kernels/view.h"
+#include "parity/gpu_required.h"
 #include "support/fields.h"
 #include "support/solids.h"
 #include "transport/emission.h"
@@ -142,11 +142,7 @@ std::int64_t countOf(const PhotonTracer& tracer, Counter c) { return tracer.tall
 
 class Parity : public testing::TestWithParam<Named> {
 protected:
-  void SetUp() override {
-    const CudaDevices cuda = findCudaDevices();
-    if (cuda.devices.empty()) GTEST_SKIP() << "no CUDA device: " << cuda.whyNone;
-    if (!cuda.devices[0].usable) GTEST_SKIP() << cuda.devices[0].id << ": " << cuda.devices[0].reason;
-  }
+  void SetUp() override { VOLCAUSTIC_NEED_GPU(); }
 };
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Parity, testing::ValuesIn(kScenes),

@@ -7,6 +7,41 @@ namespace volcaustic::cli {
 
 std::atomic<bool> gInterrupted{false};
 
+int statusOf(ErrorKind kind) {
+  switch (kind) {
+  case ErrorKind::Usage:
+    return kWrongUsage;
+  case ErrorKind::Input:
+  case ErrorKind::File:
+    return kBadInput;
+  case ErrorKind::Device:
+    return kDeviceTrouble;
+  case ErrorKind::Cancelled:
+    return kInterrupted;
+  case ErrorKind::Internal:
+    break;
+  }
+  return kOurFault;
+}
+
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+std::string errorLine(const Error& error, const std::string& command) {
+  switch (error.kind()) {
+  case ErrorKind::Input:
+  case ErrorKind::File:
+    return error.what();
+  case ErrorKind::Internal:
+    return fmt::format("volcaustic: internal error: {}", error.what());
+  default:
+    return fmt::format("{}: {}", command, error.what());
+  }
+}
+
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--threads", options.threads, "CPU threads; 0 takes all. Results do not depend on it")
       ->check(CLI::Range(0, 4096))
@@ -67,6 +102,18 @@ void Job::addStages(std::span<const StageRun> runs) {
 void Job::addStage(const char* stage, std::chrono::steady_clock::time_point start) {
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   mReport["stages"].push_back({{"stage", stage}, {"ms", ms}, {"key", ""}});
+}
+
+void Job::attempt(Json& entry, const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    const int status = statusOf(error.kind());
+    if (status != kBadInput && status != kWrongUsage) throw;
+    mConsole.error(oneLine(errorLine(error, "volcaustic " + mReport["command"].get<std::string>())));
+    entry["error"] = error.what();
+    if (mStatus == kDone) mStatus = status;
+  }
 }
 
 void Job::finish() {

@@ -22,6 +22,13 @@ namespace volcaustic::cli {
 extern std::atomic<bool> gInterrupted;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
+enum ExitStatus { kDone = 0, kOurFault = 1, kWrongUsage = 2, kBadInput = 3, kDeviceTrouble = 4, kInterrupted = 130 };
+int statusOf(ErrorKind kind);
+/// Whatever a library puts into its message, an error is one line.
+std::string oneLine(std::string text);
+/// The line that a person reads of it: usage and device errors begin with the command ("volcaustic mesh2vdb").
+std::string errorLine(const Error& error, const std::string& command);
+
 /// Filled in by the parser: what the chosen subcommand does. Returns the exit status.
 using Action = std::function<int()>;
 
@@ -83,6 +90,13 @@ public:
     }
   }
 
+  /// Runs `body` for one file of several. What is wrong with that file alone (its content, its name, an option that
+  /// does not fit it) is printed, noted as "error" in `entry` and kept for status(), and the other files get their
+  /// turn.
+  void attempt(Json& entry, const std::function<void()>& body);
+  /// The exit status of the first file that failed, or kDone.
+  [[nodiscard]] int status() const { return mStatus; }
+
   /// Prints the report, or writes it to its file, when it was asked for.
   void finish();
 
@@ -95,10 +109,12 @@ private:
   bool mJson;
   std::string mJsonFile;
   Json mReport;
+  int mStatus = kDone;
 };
 
 /// The commands, by file.
-void addMeshCommands(CLI::App& app, Action& action);
+void addMeshToVdbCommand(CLI::App& app, Action& action);
+void addVdbToMeshCommand(CLI::App& app, Action& action);
 void addRenderCommands(CLI::App& app, Action& action);
 void addInfoCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action);

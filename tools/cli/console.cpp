@@ -22,6 +22,34 @@ void Console::log(LogLevel level, std::string_view line) {
     write(line);
 }
 
+void Console::error(std::string_view line) { write(line); }
+
+void Console::startFile(std::size_t index, std::size_t count) {
+  const std::lock_guard lock(mMutex);
+  if (index == 0) mFilesStart = Clock::now();
+  mFile = index;
+  mFiles = count;
+}
+
+std::string Console::stageText(Clock::time_point now) const {
+  std::string text = fmt::format("{} {:3.0f} %", mStage, 100 * mFraction);
+  const double seconds = std::chrono::duration<double>(now - mStageStart).count();
+  if (seconds > 0.5 && mFraction > 0)
+    text +=
+        fmt::format("  {:.1f} %/s  {:.0f} s left", 100 * mFraction / seconds, seconds * (1 - mFraction) / mFraction);
+  return text;
+}
+
+std::string Console::filesText(Clock::time_point now) const {
+  std::string text = fmt::format("[{}/{}] {} {:3.0f} %", mFile + 1, mFiles, mStage, 100 * mFraction);
+  const double seconds = std::chrono::duration<double>(now - mFilesStart).count();
+  const auto done = static_cast<double>(mFile);
+  if (mFile > 0 && seconds > 0)
+    text += fmt::format("  {:.1f} files/s  {:.0f} s left", done / seconds,
+                        seconds * (static_cast<double>(mFiles) - done) / done);
+  return text;
+}
+
 void Console::progress(std::string_view stage, double fraction) {
   if (!mDrawsProgress) return;
   const std::lock_guard lock(mMutex);
@@ -29,15 +57,12 @@ void Console::progress(std::string_view stage, double fraction) {
   if (stage != mStage || fraction < mFraction) {
     mStage = stage;
     mStageStart = now;
-    mLastDrawn = {};
+    if (mFiles == 1) mLastDrawn = {};
   }
   mFraction = fraction;
   if (now - mLastDrawn < std::chrono::milliseconds(100)) return;
   mLastDrawn = now;
-  std::string text = fmt::format("\r\x1b[K{} {:3.0f} %", mStage, 100 * fraction);
-  const double seconds = std::chrono::duration<double>(now - mStageStart).count();
-  if (seconds > 0.5 && fraction > 0)
-    text += fmt::format("  {:.1f} %/s  {:.0f} s left", 100 * fraction / seconds, seconds * (1 - fraction) / fraction);
+  const std::string text = "\r\x1b[K" + (mFiles > 1 ? filesText(now) : stageText(now));
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
   mProgressShown = true;

@@ -27,14 +27,21 @@ public:
   /// A line for people; not when quiet.
   void say(std::string_view line);
   void log(LogLevel level, std::string_view line);
+  /// A line that is never left out.
+  void error(std::string_view line);
   [[nodiscard]] bool isVerbose() const { return mLoudness == Loudness::Verbose; }
-  /// "photons  45 %  12 %/s  4 s left", redrawn ten times a second.
+  /// "photons  45 %  12 %/s  4 s left", redrawn ten times a second; between startFile and the last file
+  /// "[3/100] medium  45 %  2.1 files/s  46 s left".
   void progress(std::string_view stage, double fraction);
+  /// File `index` of `count` begins; one file alone is not counted.
+  void startFile(std::size_t index, std::size_t count);
 
 private:
   using Clock = std::chrono::steady_clock;
 
   void write(std::string_view line);
+  [[nodiscard]] std::string stageText(Clock::time_point now) const;
+  [[nodiscard]] std::string filesText(Clock::time_point now) const;
   void clearProgress();
 
   const Loudness mLoudness;
@@ -42,7 +49,8 @@ private:
   std::mutex mMutex;
   std::string mStage;
   double mFraction = 0;
-  Clock::time_point mStageStart, mLastDrawn;
+  std::size_t mFile = 0, mFiles = 1;
+  Clock::time_point mStageStart, mFilesStart, mLastDrawn;
   bool mProgressShown = false;
 };
 

@@ -2,7 +2,6 @@
 // exit status (docs/cli.md).
 #include "common.h"
 
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <fmt/format.h>
@@ -12,43 +11,7 @@ namespace volcaustic::cli {
 
 namespace {
 
-enum ExitStatus { kDone = 0, kOurFault = 1, kWrongUsage = 2, kBadInput = 3, kDeviceTrouble = 4, kInterrupted = 130 };
-
-int statusOf(ErrorKind kind) {
-  switch (kind) {
-  case ErrorKind::Usage:
-    return kWrongUsage;
-  case ErrorKind::Input:
-  case ErrorKind::File:
-    return kBadInput;
-  case ErrorKind::Device:
-    return kDeviceTrouble;
-  case ErrorKind::Cancelled:
-    return kInterrupted;
-  case ErrorKind::Internal:
-    break;
-  }
-  return kOurFault;
-}
-
-/// Whatever a library puts into its message, an error is one line.
-void printLine(std::string line) {
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  std::fprintf(stderr, "%s\n", line.c_str());
-}
-
-void printError(const Error& error, const std::string& command) {
-  switch (error.kind()) {
-  case ErrorKind::Input:
-  case ErrorKind::File:
-    return printLine(error.what());
-  case ErrorKind::Internal:
-    return printLine(fmt::format("volcaustic: internal error: {}", error.what()));
-  default:
-    return printLine(fmt::format("{}: {}", command, error.what()));
-  }
-}
+void printLine(const std::string& line) { std::fprintf(stderr, "%s\n", oneLine(line).c_str()); }
 
 /// "volcaustic scene check": the subcommands that were recognised.
 std::string commandTyped(const CLI::App& app) {
@@ -99,7 +62,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Exit status: 0 done, 1 our fault, 2 wrong usage, 3 bad input, 4 device, 130 interrupted.");
   Action action;
-  addMeshCommands(app, action);
+  addMeshToVdbCommand(app, action);
+  addVdbToMeshCommand(app, action);
   addRenderCommands(app, action);
   addInfoCommand(app, action);
   addCompareCommand(app, action);
@@ -120,7 +84,7 @@ int run(int argc, char** argv) {
   try {
     return action();
   } catch (const Error& error) {
-    printError(error, commandTyped(app));
+    printLine(errorLine(error, commandTyped(app)));
     return statusOf(error.kind());
   } catch (const std::bad_alloc&) {
     printLine(commandTyped(app) +

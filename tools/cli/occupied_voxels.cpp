@@ -1,5 +1,6 @@
 #include "occupied_voxels.h"
 
+#include <cmath>
 #include <volcaustic/openvdb.h>
 
 namespace volcaustic::cli {
@@ -9,6 +10,13 @@ std::int64_t occupiedVoxels(const Medium& medium) {
   for (auto value = medium.grids().coverage->cbeginValueOn(); value; ++value)
     if (*value > 0) voxels += value.getVoxelCount();
   return static_cast<std::int64_t>(voxels);
+}
+
+double coveredVolume(const Medium& medium) {
+  double voxels = 0;
+  for (auto value = medium.grids().coverage->cbeginValueOn(); value; ++value)
+    voxels += *value * static_cast<double>(value.getVoxelCount());
+  return voxels * std::pow(medium.domain().voxelSize, 3);
 }
 
 } // namespace volcaustic::cli

@@ -18,7 +18,7 @@ FOLDERS = {
     "mesh": {"core", "mesh"},
     "kernels": {"kernels"},
     "backends": {"core", "kernels", "backends"},
-    "volume": {"core", "mesh", "volume", "kernels"},
+    "volume": {"core", "mesh", "volume", "kernels", "backends"},
     "transport": {"core", "volume", "kernels", "backends", "transport"},
     "image": {"core", "image"},
     "scene": {"core", "scene"},
@@ -47,7 +47,7 @@ EXTERNAL = {
     "CLI11": (r"CLI/", ["tools/cli/"]),
     "fmt": (r"fmt/", ["tools/cli/"]),
     "POSIX": (r"(sys/\w+|unistd|fcntl|signal|poll|spawn|dirent|pthread|dlfcn|malloc)\.h$",
-              [f"{LIBRARY}/(core|mesh|volume|backends)/", "tools/"]),
+              [f"{LIBRARY}/(core|mesh|volume|backends|image)/", "tools/"]),
 }
 
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -3,8 +3,8 @@
 /// text, stage keys and the tables in docs/ are all readers (visitors) of the describe functions below.
 ///
 /// A visitor is called as visit(name, value, doc) for each field, in documented order; `value` is a reference to a
-/// bool, int, double, std::string, std::filesystem::path, an array of numbers, an enumeration with enumNames, or an
-/// AutomaticBox. Nothing here allocates.
+/// bool, int, double, std::string, std::filesystem::path, an array of numbers, an enumeration with enumNames, an
+/// AutomaticBox, or a vector of described structs. Nothing here allocates.
 #pragma once
 
 #include "volcaustic/medium.h"
@@ -154,6 +154,16 @@ void describe(Visitor&& visit, SceneVolume& v) {
 }
 
 template <class Visitor>
+void describe(Visitor&& visit, SceneGroup& g) {
+  visit("name", g.name,
+        FieldDoc{.text =
+                     "name of a group of the mesh: `usemtl`, else `g`, else `o` of an OBJ file, a solid of an STL file",
+                 .required = true});
+  visit("material", g.material, FieldDoc{.text = "name in `materials`", .required = true});
+  visit("priority", g.priority, FieldDoc{"added to the object's; of equal ones the group wins", "", -1e6, 1e6});
+}
+
+template <class Visitor>
 void describe(Visitor&& visit, SceneObject& o) {
   visit("name", o.name, FieldDoc{"for messages"});
   visit("mesh", o.meshFile, FieldDoc{.text = "OBJ, PLY, STL or OFF file, relative to this file", .required = true});
@@ -161,13 +171,32 @@ void describe(Visitor&& visit, SceneObject& o) {
   visit("material", o.material, FieldDoc{"a name in `materials`"});
   visit("priority", o.priority, FieldDoc{"where objects overlap the higher one wins", "", -1e6, 1e6});
   visit("visible", o.visible, FieldDoc{"false leaves the object out"});
+  visit("groups", o.groups, FieldDoc{"groups of the mesh that are made of another material: the wine of a glass"});
 }
 
 template <class Visitor>
 void describe(Visitor&& visit, SurfaceOptions& o) {
-  visit("grid", o.grid, FieldDoc{"scalar grid to take the surface of; coverage, else the first one, when empty"});
+  visit("grid", o.grid,
+        FieldDoc{
+            "grid to take the surface of, of vectors their length; coverage, else the first of numbers, when empty"});
   visit("isovalue", o.isovalue, FieldDoc{"value on the surface", "", -1e30, 1e30});
   visit("adaptivity", o.adaptivity, FieldDoc{"0 keeps every polygon, 1 merges flat regions the most", "1", 0, 1});
+  visit("sharpen", o.sharpen, FieldDoc{"keep corners, edges and what is thinner than a voxel (coverage at 0.5)"});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, GridMapping& m) {
+  visit("scale", m.scale, FieldDoc{"what one unit of the grid is, RGB", "", -1e30, 1e30});
+  visit("offset", m.offset, FieldDoc{"value where the grid is 0, RGB", "", -1e30, 1e30});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, MediumImport& o) {
+  visit("voxelSize", o.voxelSize,
+        FieldDoc{"edge of a voxel of a medium from a volume; 0 takes the smallest of the mapped grids", "world", 0,
+                 1e12});
+  visit("padding", o.padding, FieldDoc{"voxels around the active ones of the mapped grids", "voxels", 0, 4096});
+  visit("blur", o.blur, FieldDoc{"width of the Gaussian on a body's index; 1 is none", "voxels", 1, 11, kBlurChoices});
 }
 
 template <class Visitor>
