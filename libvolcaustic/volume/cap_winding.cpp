@@ -9,7 +9,7 @@ namespace volcaustic {
 
 namespace {
 
-/// A group further away than this many of its radii is seen as its moments: an error below 3e-4 of a winding number.
+/// A group further away than this many of its radii is seen as its moments: an error below 1e-3 of a winding number.
 constexpr double kGroupDistance = 6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWholeSphere = 4 * std::numbers::pi;

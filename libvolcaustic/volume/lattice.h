@@ -8,6 +8,9 @@
 
 namespace volcaustic {
 
+/// Edge of a voxel in world units below which OpenVDB takes a transform for singular.
+inline constexpr double kSmallestVoxel = 1.45e-5;
+
 /// Whether the voxels are cubes along the world's axes, mirrored by none of them.
 bool isUpright(const openvdb::math::Transform& transform);
 

@@ -4,6 +4,7 @@
 #include "volcaustic/error.h"
 #include "volcaustic/openvdb.h"
 #include "volume/brick_collector.h"
+#include "volume/lattice.h"
 #include "volume/medium_store.h"
 #include "volume/optics.h"
 #include "volume/vdb_file.h"
@@ -33,6 +34,9 @@ void requireDomain(const Domain& domain) {
                                       std::to_string(domain.dims[2]));
   if (!(domain.voxelSize > 0) || !std::isfinite(domain.voxelSize) || !finite(domain.minCorner))
     throw Error(ErrorKind::Usage, "domain: the voxel size must be positive and the corner finite");
+  if (domain.voxelSize < kSmallestVoxel)
+    throw Error(ErrorKind::Usage, "domain: voxels under 1.45e-5 world units cannot be in a transform of OpenVDB; take "
+                                  "larger voxels, or scale the mesh to a smaller unit");
 }
 
 void requireOptions(const VoxeliseOptions& o) {

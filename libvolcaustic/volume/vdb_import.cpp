@@ -19,9 +19,8 @@ using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
 
 constexpr int kMaxDims = 1 << 15;
-constexpr double kSmallestVoxel = 1.01e-5; ///< OpenVDB takes less for a scale of zero
-constexpr float kLargest = 1e9f;           ///< of a coefficient, as in a scene file
-constexpr float kForward = 0.99f;          ///< of the asymmetry
+constexpr float kLargest = 1e9f;  ///< of a coefficient, as in a scene file
+constexpr float kForward = 0.99f; ///< of the asymmetry
 
 [[noreturn]] void fail(const std::string& place, const std::string& what) {
   throw Error(ErrorKind::Input, place + ": " + what);
@@ -93,7 +92,7 @@ Domain domainOf(const openvdb::GridPtrVec& grids, const MediumImport& import, co
   domain.voxelSize = import.voxelSize > 0 ? import.voxelSize : smallestEdge(**finest);
   if (domain.voxelSize < kSmallestVoxel)
     fail(place,
-         "voxels under 1e-5 world units cannot be in a transform of OpenVDB; choose larger ones, or another unit");
+         "voxels under 1.45e-5 world units cannot be in a transform of OpenVDB; choose larger ones, or another unit");
   auto lattice = openvdb::math::Transform::createLinearTransform(domain.voxelSize);
   if (import.voxelSize == 0 && isUpright((*finest)->transform())) lattice = (*finest)->transformPtr();
 

@@ -132,6 +132,7 @@ bool inReach(const Box& box, const Domain& domain, int supersample) {
   const double limit = kMaxSubVoxels * domain.voxelSize / supersample;
   for (int a = 0; a < 3; ++a) {
     const double far = std::max(std::abs(box.min[a] - domain.minCorner[a]), std::abs(box.max[a] - domain.minCorner[a]));
+    if (!std::isfinite(box.min[a]) || !std::isfinite(box.max[a])) return false;
     if (!(far < limit) || std::abs(box.min[a]) > kAbsurdCoordinate || std::abs(box.max[a]) > kAbsurdCoordinate)
       return false;
   }

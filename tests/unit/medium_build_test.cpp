@@ -94,6 +94,19 @@ TEST(Grids, VectorsKeepTheirComponents) {
   EXPECT_EQ(back.activeBrickCount(), 1);
 }
 
+TEST(BuildMedium, NamesVoxelsThatNoTransformHolds) {
+  const Domain tiny{{0, 0, 0}, 2e-6, {8, 8, 8}};
+  try {
+    buildMedium({}, {}, tiny);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Usage);
+    EXPECT_NE(std::string(e.what()).find("1.45e-5"), std::string::npos);
+  }
+  const Domain small{{0, 0, 0}, 1.5e-5, {8, 8, 8}};
+  EXPECT_EQ(buildMedium({}, {}, small).grids().index->activeVoxelCount(), 0u);
+}
+
 TEST(BuildMedium, AGlassBallInFog) {
   Body ball = bodyOf(icosphere({0, 0, 0}, 1, 5));
   ball.material.index = 1.5;
