@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backends/photon_tracer.h"
+#include "support/lights.h"
 #include "support/traverse.h"
 #include "transport/direct.h"
 #include "transport/emission.h"
@@ -23,20 +24,6 @@ using kernels::Int3;
 struct Box {
   Vec3d low, high;
 };
-
-inline Light sun(const Vec3d& direction, const Rgb& irradiance = {1, 2, .5}) {
-  Light light;
-  light.direction = direction;
-  light.irradiance = irradiance;
-  return light;
-}
-inline Light lamp(const Vec3d& position, const Rgb& intensity = {100, 50, 200}) {
-  Light light;
-  light.type = LightType::Point;
-  light.position = position;
-  light.intensity = intensity;
-  return light;
-}
 
 /// Lights over boxes of glass, with the rasters and what they met.
 struct DirectScene {

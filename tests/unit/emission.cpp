@@ -4,6 +4,7 @@
 #include "transport/emission.h"
 #include "backends/lanes.h"
 #include "kernels/photon.h"
+#include "support/lights.h"
 #include "transport/reach.h"
 #include "volume/flatten.h"
 
@@ -151,19 +152,6 @@ std::vector<EmissionFrame> framesOf(const Bends& bends, const Light& light, int 
   options.grid = {columns, rows};
   options.jitter = jitter;
   return emissionFrames(light, 0, domainOf(bends), options, 11);
-}
-Light sun(const Vec3d& direction) {
-  Light light;
-  light.direction = direction;
-  light.irradiance = {1, .5, 2};
-  return light;
-}
-Light lamp(const Vec3d& position) {
-  Light light;
-  light.type = LightType::Point;
-  light.position = position;
-  light.intensity = {1, 3, 2};
-  return light;
 }
 
 /// Holds every cell against the boxes: what a ray meets for more than `tolerance` it must have met, and nothing that it

@@ -1,6 +1,7 @@
 // Every instruction set carries the same photons as the reference, and its sums do not depend on who runs what when.
 
 #include "backends/lanes.h"
+#include "support/lights.h"
 #include "support/solids.h"
 #include "transport/emission.h"
 #include "transport/march_rules.h"
@@ -163,19 +164,6 @@ Medium glass(const Vec3i& dims, const Rgb& attenuation = {0, 0, 0}, const Rgb& s
   return buildMedium(std::span(&body, 1), {}, Domain{{0, 0, 0}, 1, dims});
 }
 
-Light sun(const Vec3d& direction) {
-  Light light;
-  light.direction = direction;
-  light.irradiance = {1, 2, .5};
-  return light;
-}
-Light lamp(const Vec3d& position) {
-  Light light;
-  light.type = LightType::Point;
-  light.position = position;
-  light.intensity = {100, 50, 200};
-  return light;
-}
 PhotonOptions grid(int columns, int rows) {
   PhotonOptions o;
   o.grid = {columns, rows};

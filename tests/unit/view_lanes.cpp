@@ -2,6 +2,7 @@
 
 #include "backends/cpu_view.h"
 #include "support/fields.h"
+#include "support/lights.h"
 #include "support/solids.h"
 #include "volcaustic/error.h"
 #include "volcaustic/view.h"
@@ -29,19 +30,6 @@ Camera cameraAt(const Vec3d& position, const Vec3d& target, const std::array<int
 }
 const Camera kOutside = cameraAt({20, -45, 30}, {18, 25, 20});
 
-Light sun(const Vec3d& direction) {
-  Light light;
-  light.direction = direction;
-  light.irradiance = {1, 2, .5};
-  return light;
-}
-Light lamp(const Vec3d& position) {
-  Light light;
-  light.type = LightType::Point;
-  light.position = position;
-  light.intensity = {300, 150, 600};
-  return light;
-}
 Ambient fog(const Rgb& attenuation, const Rgb& scattering, double asymmetry = 0) {
   Ambient a;
   a.attenuation = attenuation;

@@ -1,0 +1,22 @@
+// Lights of tests: colours that tell the channels apart.
+#pragma once
+
+#include "volcaustic/photons.h"
+
+namespace volcaustic::test {
+
+inline Light sun(const Vec3d& direction, const Rgb& irradiance = {1, 2, .5}) {
+  Light light;
+  light.direction = direction;
+  light.irradiance = irradiance;
+  return light;
+}
+inline Light lamp(const Vec3d& position, const Rgb& intensity = {100, 50, 200}) {
+  Light light;
+  light.type = LightType::Point;
+  light.position = position;
+  light.intensity = intensity;
+  return light;
+}
+
+} // namespace volcaustic::test
