@@ -1,4 +1,5 @@
-// What the CUDA backend offers the host, besides makeCudaTracer (backends/photon_tracer.h); cuda_devices.cu implements
+// What the CUDA backend offers the host, besides makeCudaTracer (backends/photon_tracer.h)
+// and makeCudaMediumBuilder (backends/cuda_medium.h); cuda_devices.cu implements
 // it, cuda_stub.cpp where the build has no nvcc. Names no CUDA type.
 #pragma once
 

@@ -3,10 +3,12 @@
 
 #include "backends/cuda_memory.cuh"
 #include "backends/cuda_sums.cuh"
+#include "backends/flat_storage.h"
 
 #include <array>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace volcaustic {
@@ -21,29 +23,29 @@ inline bool sameRays(const kernels::EmissionFrame& a, const kernels::EmissionFra
          a.point == b.point && a.jitter == b.jitter && a.seed == b.seed && a.depth0 == b.depth0;
 }
 
-/// A flat medium in device memory.
+/// A flat medium in device memory: copied there, or `there` already because it was made on the device.
 class DeviceMedium {
 public:
-  DeviceMedium(DeviceStream& s, const kernels::FlatMedium& m)
-      : mView(m)
-      , mFieldSlots(s, m.fieldSlots, m.brickCount(), kWhat)
-      , mIndexOffsets(s, m.indexOffsets, m.brickCount(), kWhat)
-      , mStepSlots(s, m.stepSlots, m.brickCount(), kWhat)
-      , mOpticsSlots(s, m.opticsSlots, m.brickCount(), kWhat)
-      , mBends(s, m.bends, m.brickCount(), kWhat)
-      , mFields(s, m.fields, m.fieldCount, kWhat)
-      , mSteps(s, m.steps, m.stepCount, kWhat)
-      , mVoxelOptics(s, m.voxelOptics, m.voxelOpticsCount, kWhat)
-      , mOptics(s, m.optics, m.opticsCount, kWhat) {
-    mView.fieldSlots = mFieldSlots.data();
-    mView.indexOffsets = mIndexOffsets.data();
-    mView.stepSlots = mStepSlots.data();
-    mView.opticsSlots = mOpticsSlots.data();
-    mView.bends = mBends.data();
-    mView.fields = mFields.data();
-    mView.steps = mSteps.data();
-    mView.voxelOptics = mVoxelOptics.data();
-    mView.optics = mOptics.data();
+  DeviceMedium(DeviceStream& s, const kernels::FlatMedium& m, std::shared_ptr<const DeviceFlatMedium> there = nullptr)
+      : mView(m) {
+    if (there && there->ordinal() == s.ordinal()) {
+      mThere = std::move(there);
+      mView = mThere->view();
+      return;
+    }
+    const auto copy = [&](auto& array, const auto*& host, std::int64_t count) {
+      array = {s, host, count, kWhat};
+      host = array.data();
+    };
+    copy(mFieldSlots, mView.fieldSlots, m.brickCount());
+    copy(mIndexOffsets, mView.indexOffsets, m.brickCount());
+    copy(mStepSlots, mView.stepSlots, m.brickCount());
+    copy(mOpticsSlots, mView.opticsSlots, m.brickCount());
+    copy(mBends, mView.bends, m.brickCount());
+    copy(mFields, mView.fields, m.fieldCount);
+    copy(mSteps, mView.steps, m.stepCount);
+    copy(mVoxelOptics, mView.voxelOptics, m.voxelOpticsCount);
+    copy(mOptics, mView.optics, m.opticsCount);
   }
   [[nodiscard]] const kernels::FlatMedium& view() const { return mView; }
 
@@ -51,9 +53,9 @@ private:
   static constexpr const char* kWhat = "the medium";
 
   kernels::FlatMedium mView;
-  DeviceArray<std::int32_t> mFieldSlots;
+  std::shared_ptr<const DeviceFlatMedium> mThere;
+  DeviceArray<std::int32_t> mFieldSlots, mStepSlots, mOpticsSlots;
   DeviceArray<float> mIndexOffsets;
-  DeviceArray<std::int32_t> mStepSlots, mOpticsSlots;
   DeviceArray<std::uint8_t> mBends;
   DeviceArray<kernels::FieldVoxel> mFields;
   DeviceArray<std::uint8_t> mSteps;

@@ -181,6 +181,10 @@ public:
   void download(T* host, std::int64_t begin, std::int64_t count) const {
     if (count > 0) copy(host, mData + begin, count, cudaMemcpyDeviceToHost);
   }
+  /// Elements [0, count) of another array of the device, from `begin` on.
+  void copyFrom(const DeviceArray& other, std::int64_t begin, std::int64_t count) {
+    if (count > 0) copy(mData + begin, other.mData, count, cudaMemcpyDeviceToDevice);
+  }
   /// Sets every byte.
   void fill(int byte) { check(cudaMemsetAsync(mData, byte, bytes(mCount), mStream->get()), mStream->ordinal(), mWhat); }
 

@@ -6,7 +6,7 @@
 //   columns           a block of threads each; a thread keeps the winding numbers of its rows from brick to brick
 #pragma once
 
-#include "backends/cuda_voxeliser.h"
+#include "kernels/painting.h"
 #include "kernels/rows.h"
 
 #include <cuda_runtime.h>
@@ -16,7 +16,8 @@ namespace volcaustic {
 
 /// Rows that a thread tries for one triangle at most.
 inline constexpr int kRowsOfItem = 64;
-inline constexpr int kVoxelsOfBrick = 512;
+using kernels::BrickFill;
+using kernels::kVoxelsOfBrick;
 
 struct DeviceMesh {
   const double* points;             ///< three a vertex
@@ -381,6 +382,23 @@ __global__ void __launch_bounds__(ColumnShape<Log2>::kThreads)
       counts[v] = samplesInside<Log2>(inside, v);
     __syncthreads();
   }
+}
+
+/// Numbers with `more` added to each.
+static __global__ void shiftNumbers(const std::uint32_t* numbers, std::int64_t count, std::uint32_t more,
+                                    std::uint32_t* shifted) {
+  const std::int64_t i = blockIdx.x * static_cast<std::int64_t>(blockDim.x) + threadIdx.x;
+  if (i < count) shifted[i] = numbers[i] + more;
+}
+
+/// Sets `found` where any sample is inside.
+static __global__ void findFull(const BrickFill* fills, std::int64_t count, unsigned* found) {
+  const std::int64_t i = blockIdx.x * static_cast<std::int64_t>(blockDim.x) + threadIdx.x;
+  if (i < count && fills[i] == BrickFill::Full && !*static_cast<volatile unsigned*>(found)) atomicOr(found, 1u);
+}
+static __global__ void findCounts(const std::uint16_t* counts, std::int64_t count, unsigned* found) {
+  const std::int64_t i = blockIdx.x * static_cast<std::int64_t>(blockDim.x) + threadIdx.x;
+  if (i < count && counts[i] != 0 && !*static_cast<volatile unsigned*>(found)) atomicOr(found, 1u);
 }
 
 } // namespace volcaustic

@@ -1,6 +1,7 @@
 #include "backends/cuda.h"
-#include "backends/cuda_voxeliser.h"
+#include "backends/cuda_medium.h"
 #include "backends/photon_tracer.h"
+#include "backends/view_tracer.h"
 #include "volcaustic/error.h"
 
 namespace volcaustic {
@@ -19,6 +20,12 @@ CudaDevices findCudaDevices() { return {{}, kWhy, false}; }
 
 std::unique_ptr<PhotonTracer> makeCudaTracer(const TracerSetup&, const RunContext&, int ordinal) { refuse(ordinal); }
 
-void countOnCuda(const CountTask&, const TakeBricks&, const RunContext&, int ordinal) { refuse(ordinal); }
+std::unique_ptr<ViewTracer> makeCudaViewer(const kernels::ViewScene&, const ViewTables&,
+                                           std::shared_ptr<const DeviceFlatMedium>, const kernels::PixelPlanes&,
+                                           const RunContext&, int ordinal) {
+  refuse(ordinal);
+}
+
+std::unique_ptr<DeviceMediumBuilder> makeCudaMediumBuilder(std::uint64_t, int ordinal) { refuse(ordinal); }
 
 } // namespace volcaustic

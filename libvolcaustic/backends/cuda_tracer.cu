@@ -105,7 +105,7 @@ public:
       , mQueueBlocks(residentBlocks(queuePhotons, ordinal))
       , mTraceBlocks(residentBlocks(tracePhotons, ordinal))
       , mStream(ordinal, "photons")
-      , mMedium(mStream, setup.medium)
+      , mMedium(mStream, setup.medium, setup.onDevice)
       , mLight(mStream, setup, ctx)
       , mQueueEnds(mStream, 2, kQueue)
       , mInFlight(mStream)

@@ -1,14 +1,12 @@
 // Voxelising on a CUDA device: the order of the kernels of cuda_rows.cuh, and the memory they need
 // (docs/algorithms/cuda.md).
 
-#include "backends/cuda_memory.cuh"
+#include "backends/cuda_counts.cuh"
 #include "backends/cuda_rows.cuh"
-#include "core/large_memory.h"
+#include "backends/cuda_scans.cuh"
 
 #include <algorithm>
 #include <array>
-#include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
 #include <limits>
 #include <string>
 #include <utility>
@@ -30,32 +28,6 @@ constexpr double kPagesPart = 0.5;
 constexpr std::int64_t kExtraOfBrick = 8;
 
 std::int64_t blocksFor(std::int64_t threads) { return (threads + kThreads - 1) / kThreads; }
-
-/// Each number becomes the sum of those before it.
-template <class T>
-void sumUp(DeviceStream& stream, DeviceArray<T>& numbers) {
-  std::size_t bytes = 0;
-  const auto scan = [&](void* room) {
-    check(cub::DeviceScan::ExclusiveSum(room, bytes, numbers.data(), numbers.data(), numbers.size(), stream.get()),
-          stream.ordinal(), kWhat);
-  };
-  scan(nullptr);
-  const DeviceArray<std::uint8_t> room(stream, static_cast<std::int64_t>(bytes), kWhat);
-  scan(room.data());
-}
-
-void sortKeys(DeviceStream& stream, const DeviceArray<ExtraKey>& keys, DeviceArray<ExtraKey>& sorted,
-              std::int64_t count) {
-  std::size_t bytes = 0;
-  const auto sort = [&](void* room) {
-    check(cub::DeviceRadixSort::SortKeys(room, bytes, static_cast<const ExtraKey*>(keys.data()), sorted.data(), count,
-                                         0, 64, stream.get()),
-          stream.ordinal(), kWhat);
-  };
-  sort(nullptr);
-  const DeviceArray<std::uint8_t> room(stream, static_cast<std::int64_t>(bytes), kWhat);
-  sort(room.data());
-}
 
 /// A mesh in device memory, and its crossings with rows.
 class RowCrossings {
@@ -79,7 +51,7 @@ public:
     mFirstOfItems.fill(0);
     launchKernel(stream, countItems, blocksFor(mMesh.count), kThreads, mMesh, mLattice, mFirstOfItems.data(),
                  numbers.data());
-    sumUp(stream, mFirstOfItems);
+    sumUp(stream, mFirstOfItems, kWhat);
     mFirstOfItems.download(&mItems, mMesh.count, 1);
     numbers.download(&mNumbers, 0, 1);
     wait();
@@ -135,7 +107,7 @@ public:
     const DeviceLattice& lattice = crossings.lattice();
     mSlots.fill(0);
     crossings.forEach(MarkBricks{mSlots.data(), lattice.bricksZ});
-    sumUp(stream, mSlots);
+    sumUp(stream, mSlots, kWhat);
     const DeviceArray<std::uint32_t> first(stream, lattice.columns() + 1, kBricks);
     launchKernel(stream, slotsOfColumns, blocksFor(lattice.columns() + 1), kThreads,
                  static_cast<const std::uint32_t*>(mSlots.data()), lattice, first.data());
@@ -173,16 +145,17 @@ public:
                 const RunContext& ctx)
       : mCtx(ctx), mStream(stream), mCrossings(crossings), mKernels(kernels), mTouched(stream, crossings) {}
 
-  void run(const TakeBricks& take) {
+  DeviceCounts run() {
     const std::int64_t columns = lattice().columns(), room = roomForPages();
     for (std::int64_t begin = 0; begin < columns;) {
       std::int64_t end = begin + 1;
       while (end < columns && mTouched.within(begin, end + 1) <= room && end - begin < kMostColumns) ++end;
       if (mTouched.within(begin, end) > room) refuse(mTouched.within(begin, end));
-      count(begin, end, take);
+      count(begin, end);
       mCtx.progress("voxelise", static_cast<double>(end) / static_cast<double>(columns));
       begin = end;
     }
+    return joined();
   }
 
 private:
@@ -212,41 +185,87 @@ private:
   }
 
   /// Columns [begin, end), whose pages fit.
-  void count(std::int64_t begin, std::int64_t end, const TakeBricks& take) {
+  void count(std::int64_t begin, std::int64_t end) {
     const std::int64_t pages = mTouched.within(begin, end), bricks = (end - begin) * lattice().bricksZ;
-    mCtx.requireMemory(static_cast<std::uint64_t>(bricks), "voxelising: bricks from the GPU");
-    mHostFills.assign(static_cast<std::size_t>(bricks), BrickFill::Empty);
-    mHostCounts.clear();
+    Part part{DeviceArray<kernels::BrickFill>(mStream, bricks, kCounts),
+              DeviceArray<std::uint32_t>(mStream, bricks + 1, kCounts), DeviceArray<std::uint16_t>(mStream, 0, kCounts),
+              bricks, 0};
+    part.fills.fill(0);
+    part.counted.fill(0);
     if (pages > 0) {
       DeviceArray<Word> words(mStream, pages * 2 * rows(), kPages);
-      sweep({begin, end, lattice().bricksZ, rows(), mTouched.slots(), mTouched.before(begin), words.data()}, words);
+      sweep({begin, end, lattice().bricksZ, rows(), mTouched.slots(), mTouched.before(begin), words.data()}, words,
+            part);
     }
-    take({begin * lattice().bricksZ, mHostFills, mHostCounts});
+    mParts.push_back(std::move(part));
   }
 
-  /// Fills of the pages' columns, and counts, to the host.
-  void sweep(const DevicePages<Word>& pages, DeviceArray<Word>& words) {
-    const std::int64_t columns = pages.endColumn - pages.firstColumn, bricks = columns * pages.bricksZ;
+  /// The bricks of some columns.
+  struct Part {
+    DeviceArray<kernels::BrickFill> fills;
+    DeviceArray<std::uint32_t> counted;
+    DeviceArray<std::uint16_t> counts;
+    std::int64_t bricks, countedBricks;
+  };
+
+  /// Fills and counts of the pages' columns.
+  void sweep(const DevicePages<Word>& pages, DeviceArray<Word>& words, Part& part) {
+    const std::int64_t columns = pages.endColumn - pages.firstColumn;
     const Extra extra = sortedExtra(setBits(pages, words), mTouched.within(pages.firstColumn, pages.endColumn));
-    DeviceArray<BrickFill> fills(mStream, bricks, kCounts);
-    DeviceArray<std::uint32_t> counted(mStream, bricks + 1, kCounts);
-    fills.fill(0);
-    counted.fill(0);
-    ColumnSweep<Word> view{pages, extra.view(), fills.data(), counted.data(), nullptr};
+    ColumnSweep<Word> view{pages, extra.view(), part.fills.data(), part.counted.data(), nullptr};
     launchKernel(mStream, mKernels.fill, columns, mKernels.threads, view);
-    sumUp(mStream, counted);
+    sumUp(mStream, part.counted, kWhat);
     std::uint32_t countedBricks = 0;
-    counted.download(&countedBricks, bricks, 1);
+    part.counted.download(&countedBricks, part.bricks, 1);
     mCrossings.wait();
-    const std::int64_t numbers = std::int64_t{countedBricks} * kVoxelsOfBrick;
-    mCtx.requireMemory(static_cast<std::uint64_t>(numbers) * sizeof(std::uint16_t), "voxelising: counts from the GPU");
-    const DeviceArray<std::uint16_t> counts(mStream, numbers, kCounts);
-    view.counts = counts.data();
+    part.countedBricks = countedBricks;
+    part.counts = DeviceArray<std::uint16_t>(mStream, part.countedBricks * kVoxelsOfBrick, kCounts);
+    view.counts = part.counts.data();
     launchKernel(mStream, mKernels.count, columns, mKernels.threads, view);
-    mHostCounts.resize(static_cast<std::size_t>(numbers));
-    fills.download(mHostFills.data(), 0, bricks);
-    counts.download(mHostCounts.data(), 0, numbers);
+  }
+
+  /// All parts, one after the other.
+  DeviceCounts joined() {
+    std::int64_t bricks = 0, countedBricks = 0;
+    for (const Part& part : mParts) {
+      bricks += part.bricks;
+      countedBricks += part.countedBricks;
+    }
+    DeviceCounts all;
+    if (mParts.size() == 1) {
+      all = {std::move(mParts[0].fills), std::move(mParts[0].counted), std::move(mParts[0].counts), false};
+    } else {
+      all = {DeviceArray<kernels::BrickFill>(mStream, bricks, kCounts),
+             DeviceArray<std::uint32_t>(mStream, bricks + 1, kCounts),
+             DeviceArray<std::uint16_t>(mStream, countedBricks * kVoxelsOfBrick, kCounts), false};
+      std::int64_t brick = 0;
+      std::uint32_t counted = 0;
+      for (Part& part : mParts) {
+        all.fills.copyFrom(part.fills, brick, part.bricks);
+        all.counts.copyFrom(part.counts, std::int64_t{counted} * kVoxelsOfBrick, part.countedBricks * kVoxelsOfBrick);
+        launchKernel(mStream, shiftNumbers, blocksFor(part.bricks + 1), kThreads,
+                     static_cast<const std::uint32_t*>(part.counted.data()), part.bricks + 1, counted,
+                     all.counted.data() + brick);
+        brick += part.bricks;
+        counted += static_cast<std::uint32_t>(part.countedBricks);
+        part = {};
+      }
+    }
+    all.any = anyInside(all, bricks, countedBricks * kVoxelsOfBrick);
+    return all;
+  }
+  bool anyInside(const DeviceCounts& all, std::int64_t bricks, std::int64_t voxels) {
+    DeviceArray<unsigned> found(mStream, 1, kCounts);
+    found.fill(0);
+    launchKernel(mStream, findFull, blocksFor(bricks), kThreads,
+                 static_cast<const kernels::BrickFill*>(all.fills.data()), bricks, found.data());
+    if (voxels > 0)
+      launchKernel(mStream, findCounts, blocksFor(voxels), kThreads,
+                   static_cast<const std::uint16_t*>(all.counts.data()), voxels, found.data());
+    unsigned any = 0;
+    found.download(&any, 0, 1);
     mCrossings.wait();
+    return any != 0;
   }
 
   struct ExtraKeys {
@@ -282,7 +301,7 @@ private:
     extra.ranges.fill(0);
     if (found.count == 0) return extra;
     DeviceArray<ExtraKey> sorted(mStream, found.count, kExtra);
-    sortKeys(mStream, found.keys, sorted, found.count);
+    sortKeys(mStream, found.keys, sorted, found.count, kWhat);
     launchKernel(mStream, splitExtra, blocksFor(found.count), kThreads, static_cast<const ExtraKey*>(sorted.data()),
                  extra.view());
     return extra;
@@ -293,26 +312,24 @@ private:
   RowCrossings& mCrossings;
   const ColumnKernels<Word> mKernels;
   const TouchedBricks mTouched;
-  LargeVector<BrickFill> mHostFills;
-  LargeVector<std::uint16_t> mHostCounts;
+  std::vector<Part> mParts;
 };
 
 template <int Log2>
-void runColumns(DeviceStream& stream, RowCrossings& crossings, const TakeBricks& take, const RunContext& ctx) {
+DeviceCounts runColumns(DeviceStream& stream, RowCrossings& crossings, const RunContext& ctx) {
   using Shape = ColumnShape<Log2>;
-  ColumnCounter<typename Shape::Word>(stream, crossings, {fillColumns<Log2>, countColumns<Log2>, Shape::kThreads}, ctx)
-      .run(take);
+  return ColumnCounter<typename Shape::Word>(stream, crossings,
+                                             {fillColumns<Log2>, countColumns<Log2>, Shape::kThreads}, ctx)
+      .run();
 }
 
 } // namespace
 
-void countOnCuda(const CountTask& task, const TakeBricks& take, const RunContext& ctx, int ordinal) {
-  const DeviceScope device(ordinal);
-  DeviceStream stream(ordinal, kWhat);
+DeviceCounts countOnDevice(DeviceStream& stream, const CountTask& task, const RunContext& ctx) {
   RowCrossings crossings(stream, task, ctx);
-  constexpr void (*kOfWidth[])(DeviceStream&, RowCrossings&, const TakeBricks&,
-                               const RunContext&) = {runColumns<0>, runColumns<1>, runColumns<2>, runColumns<3>};
-  kOfWidth[task.log2](stream, crossings, take, ctx);
+  constexpr DeviceCounts (*kOfWidth[])(DeviceStream&, RowCrossings&, const RunContext&) = {
+      runColumns<0>, runColumns<1>, runColumns<2>, runColumns<3>};
+  return kOfWidth[task.log2](stream, crossings, ctx);
 }
 
 } // namespace volcaustic

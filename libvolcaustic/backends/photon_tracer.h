@@ -3,6 +3,7 @@
 #pragma once
 
 #include "backends/block_sums.h"
+#include "backends/flat_storage.h"
 #include "kernels/photon.h"
 #include "volcaustic/run_context.h"
 
@@ -67,14 +68,15 @@ struct TracerSetup {
   kernels::FlatMedium medium;
   kernels::PhotonRules rules;
   FixedPoint scale;
+  std::shared_ptr<const DeviceFlatMedium> onDevice{}; ///< the medium where it was built, if that was a GPU
 };
 
 /// This machine's cores. `lanes` is the instruction set asked for: "", "scalar", "avx2" or "avx512" ("" takes the
 /// widest).
 std::unique_ptr<PhotonTracer> makeCpuTracer(const TracerSetup& setup, const RunContext& ctx, std::string_view lanes);
 
-/// CUDA device `ordinal`; the medium is uploaded here. \throws Error(Device) when it cannot be used or its memory does
-/// not do.
+/// CUDA device `ordinal`; a medium that does not lie there is uploaded. \throws Error(Device) when it cannot be used or
+/// its memory does not do.
 std::unique_ptr<PhotonTracer> makeCudaTracer(const TracerSetup& setup, const RunContext& ctx, int ordinal);
 
 } // namespace volcaustic

@@ -14,6 +14,15 @@ namespace volcaustic {
 
 int threadCount(const RunContext& ctx) { return ctx.threads > 0 ? ctx.threads : tbb::info::default_concurrency(); }
 
+RunContext shareOf(const RunContext& ctx, std::size_t i, std::size_t count) {
+  RunContext share = ctx;
+  if (ctx.onProgress)
+    share.onProgress = [&ctx, i, count](std::string_view stage, double fraction) {
+      ctx.onProgress(stage, (static_cast<double>(i) + fraction) / static_cast<double>(count));
+    };
+  return share;
+}
+
 void withThreads(const RunContext& ctx, const std::function<void()>& body) {
   tbb::task_arena arena(threadCount(ctx));
   arena.execute(body);

@@ -20,6 +20,9 @@ void parallelFor(std::int64_t count, std::int64_t grain, const RunContext& ctx,
                  const std::function<void(std::int64_t begin, std::int64_t end, int slot)>& body,
                  std::string_view stage = {});
 
+/// For part `i` of `count` like ones of a stage: its progress is that much of the stage's. `ctx` must outlive it.
+RunContext shareOf(const RunContext& ctx, std::size_t i, std::size_t count);
+
 /// Runs one function inside an arena of threadCount(ctx) threads, so that libraries which use TBB on their own
 /// (OpenVDB) keep to it.
 void withThreads(const RunContext& ctx, const std::function<void()>& body);

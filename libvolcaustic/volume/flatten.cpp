@@ -2,7 +2,8 @@
 
 #include "core/brick_set.h"
 #include "core/parallel.h"
-#include "volcaustic/error.h"
+#include "kernels/index_taps.h"
+#include "volume/device_medium.h"
 #include "volume/index_field.h"
 #include "volume/medium_store.h"
 #include "volume/optics_palette.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 
 namespace volcaustic {
@@ -20,20 +20,6 @@ namespace {
 using kernels::FieldVoxel;
 
 Vec3f toFloat(const Rgb& c) { return {float(c[0]), float(c[1]), float(c[2])}; }
-
-/// Whether attenuation differs by so much that some step has to be shorter for it.
-bool attenuationMatters(const FlatMediumStorage& flat, const StepFieldOptions& options) {
-  kernels::Float3 low = flat.optics[0].attenuation, high = low; // a voxel
-  for (const kernels::Optics& o : flat.optics)
-    for (int c = 0; c < 3; ++c) {
-      const float a = o.attenuation[c];
-      if (c == 0) low.x = std::min(low.x, a), high.x = std::max(high.x, a);
-      if (c == 1) low.y = std::min(low.y, a), high.y = std::max(high.y, a);
-      if (c == 2) low.z = std::min(low.z, a), high.z = std::max(high.z, a);
-    }
-  // The labels compare numbers that were rounded otherwise; when in doubt, it matters.
-  return kernels::maxComponent(high - low) > 0.999 * options.attenuationTolerance;
-}
 
 /// Attenuation, scattering and asymmetry of the ambient medium everywhere.
 OpticsBricks ambientOptics(const Medium& medium) {
@@ -59,16 +45,9 @@ public:
                 mBricks->scattering ? *mBricks->scattering : *mUniform.scattering,
                 mBricks->asymmetry ? *mBricks->asymmetry : *mUniform.asymmetry} {
     const Vec3i &dims = mIndex.dims(), &bricks = mIndex.brickDims();
-    mOut.dims = {dims[0], dims[1], dims[2]};
-    mOut.brickDims = {bricks[0], bricks[1], bricks[2]};
+    mOut = FlatMediumStorage({dims[0], dims[1], dims[2]}, {bricks[0], bricks[1], bricks[2]});
     mOut.cap = static_cast<float>(options.cap);
     mOut.ambientIndex = mIndex.background();
-    const auto count = static_cast<std::size_t>(mIndex.brickCount());
-    mOut.fieldSlots = ZeroedTable<std::int32_t>(count);
-    mOut.stepSlots = ZeroedTable<std::int32_t>(count);
-    mOut.opticsSlots = ZeroedTable<std::int32_t>(count);
-    mOut.indexOffsets = ZeroedTable<float>(count);
-    mOut.bends = ZeroedTable<std::uint8_t>(count);
   }
 
   FlatMediumStorage run() {
@@ -94,7 +73,8 @@ private:
     std::fill_n(mOut.fields.begin(), kernels::kFieldVoxels, FieldVoxel{1, 0, 0, 0}); // slot 0
     mBends.resize(std::size_t(slots) * kBrickVoxels);
     mLabels.emplace(
-        mIndex, attenuationMatters(mOut, mOptions) ? &mOptics.attenuation : nullptr, mVoxelSize, mOptions, mCtx,
+        mIndex, attenuationMatters(mOut.optics, mOptions.attenuationTolerance) ? &mOptics.attenuation : nullptr,
+        mVoxelSize, mOptions, mCtx,
         [this](std::size_t, std::int64_t brick, float range, IndexField* field) { fillField(brick, range, field); });
     for (const std::int64_t b : varying)
       if (mOut.fieldSlots[b] > 0) mFieldBricks.push_back(b);
@@ -103,7 +83,7 @@ private:
     const float n = mIndex.isConstant(b) ? mIndex.constant(b) : mIndex.voxels(b)[0];
     if (n != mOut.ambientIndex) mOut.indexOffsets[b] = n - mOut.ambientIndex;
     if (!field) return;
-    if (range < IndexField::kFlat && field->flat()) { // the filter reaches farther than the range
+    if (range < kernels::kFlatIndex && field->flat()) { // the filter reaches farther than the range
       mOut.fieldSlots[b] = 0;
       return;
     }
@@ -217,47 +197,16 @@ private:
 
 } // namespace
 
-kernels::FlatMedium FlatMediumStorage::view() const {
-  kernels::FlatMedium m;
-  m.dims = dims;
-  m.brickDims = brickDims;
-  m.fieldSlots = fieldSlots.data();
-  m.indexOffsets = indexOffsets.data();
-  m.stepSlots = stepSlots.data();
-  m.opticsSlots = opticsSlots.data();
-  m.bends = bends.data();
-  m.fields = fields.data();
-  m.steps = steps.data();
-  m.voxelOptics = voxelOptics.data();
-  m.optics = optics.data();
-  m.ambientIndex = ambientIndex;
-  m.ambientStep = ambientStep;
-  m.cap = cap;
-  m.attenuates = attenuates;
-  m.fieldCount = static_cast<std::int64_t>(fields.size());
-  m.stepCount = static_cast<std::int64_t>(steps.size());
-  m.voxelOpticsCount = static_cast<std::int64_t>(voxelOptics.size());
-  m.opticsCount = static_cast<std::int64_t>(optics.size());
-  return m;
-}
-
-std::size_t FlatMediumStorage::memoryBytes() const {
-  return fieldSlots.size() * (3 * sizeof(std::int32_t) + sizeof(float) + sizeof(std::uint8_t)) +
-         fields.size() * sizeof(FieldVoxel) + steps.size() + voxelOptics.size() * sizeof(std::int32_t) +
-         optics.size() * sizeof(kernels::Optics);
-}
-
 std::int64_t assignBrickSlots(std::span<const std::int64_t> bricks, ZeroedTable<std::int32_t>& slots) {
-  constexpr std::int64_t kMostSlots = std::numeric_limits<std::int32_t>::max() / (4 * kernels::kFieldVoxels);
   const auto count = static_cast<std::int64_t>(bricks.size());
-  if (count >= kMostSlots)
-    throw Error(ErrorKind::Input, "volume: light bends in more than " + std::to_string(kMostSlots) +
-                                      " bricks of 8x8x8 voxels; lower the resolution");
+  requireFieldSlots(count);
   for (std::int64_t i = 0; i < count; ++i) slots[bricks[i]] = static_cast<std::int32_t>(i + 1);
   return count + 1;
 }
 
 FlatMediumStorage flattenMedium(const Medium& medium, const StepFieldOptions& options, const RunContext& ctx) {
+  requireTolerances(options);
+  if (auto flat = flattenOnDevice(medium, options, ctx)) return std::move(*flat);
   return Flattener(medium, options, ctx).run();
 }
 

@@ -1,6 +1,7 @@
 #include "volume/index_field.h"
 
 #include "core/simd_clones.h"
+#include "kernels/index_taps.h"
 
 #include <algorithm>
 
@@ -8,45 +9,20 @@ namespace volcaustic {
 
 namespace {
 
-// One tap at p[0] from p[-3 stride] to p[3 stride]. Written in differences, so that a constant gives itself and a slope
-// of exactly zero.
-//
-// Between samples f, linear interpolation lies above a convex function by h^2 f''/12 on average. Taking that off the
-// samples, f - (second difference)/12 along each axis, leaves an error that alternates in sign along a path instead of
-// adding up. The gradient is the central difference of fourth order, (8 (f1 - f-1) - (f2 - f-2))/12, treated in the
-// same way.
-template <int Stride>
-inline float value(const float* p) {
-  return p[0] - ((p[Stride] - p[0]) + (p[-Stride] - p[0])) * (1 / 12.f);
-}
-template <int Stride>
-inline float slope(const float* p) {
-  return ((p[Stride] - p[-Stride]) * 113 - (p[2 * Stride] - p[-2 * Stride]) * 22 + (p[3 * Stride] - p[-3 * Stride])) *
-         (1 / 144.f);
-}
-
 /// Both for `count` places in a row.
 template <int Stride>
 inline void tapBoth(const float* __restrict in, int count, float* __restrict values, float* __restrict slopes) {
-  for (int i = 0; i < count; ++i) values[i] = value<Stride>(in + i);
-  for (int i = 0; i < count; ++i) slopes[i] = slope<Stride>(in + i);
+  for (int i = 0; i < count; ++i) values[i] = kernels::valueTap<Stride>(in + i);
+  for (int i = 0; i < count; ++i) slopes[i] = kernels::slopeTap<Stride>(in + i);
 }
 template <int Stride>
 inline void tapValue(const float* __restrict in, int count, float* __restrict values) {
-  for (int i = 0; i < count; ++i) values[i] = value<Stride>(in + i);
+  for (int i = 0; i < count; ++i) values[i] = kernels::valueTap<Stride>(in + i);
 }
 
-/// Least and greatest of the places themselves and of two on either side along each axis; then whether they differ.
 template <int Plane, int Row>
 inline void markCurved(const float* __restrict in, int count, std::uint8_t* __restrict curved) {
-  for (int i = 0; i < count; ++i) {
-    float low = in[i], high = in[i];
-    for (const int offset : {-2 * Plane, -Plane, Plane, 2 * Plane, -2 * Row, -Row, Row, 2 * Row, -2, -1, 1, 2}) {
-      low = std::min(low, in[i + offset]);
-      high = std::max(high, in[i + offset]);
-    }
-    curved[i] = high - low > IndexField::kFlat ? kernels::kStepBendsBit : 0;
-  }
+  for (int i = 0; i < count; ++i) curved[i] = kernels::curvedAt<Plane, Row>(in + i) ? kernels::kStepBendsBit : 0;
 }
 
 inline void anyOfThree(const std::uint8_t* __restrict in, int stride, int count, std::uint8_t* __restrict out) {
@@ -70,7 +46,7 @@ VOLCAUSTIC_SIMD_CLONES bool IndexField::flat() const {
   // The last of a row is padding.
   return *std::max_element(high.begin(), high.begin() + Block::kEdge) -
              *std::min_element(low.begin(), low.begin() + Block::kEdge) <
-         kFlat;
+         kernels::kFlatIndex;
 }
 
 VOLCAUSTIC_SIMD_CLONES void IndexField::filter(kernels::FieldVoxel* out) {

@@ -15,10 +15,6 @@ namespace volcaustic {
 /// each thread: it owns the buffers.
 class IndexField {
 public:
-  /// Changes of n under this between voxels are rounding, not refraction: a ray that meets it all along 256 voxels
-  /// turns by 0.015 degrees.
-  static constexpr float kFlat = 1e-6f;
-
   void gather(const BrickGrid<float>& index, const Vec3i& brick) {
     mInside = Block::isInside(index, brick);
     mBlock.gatherExtended(index, brick);

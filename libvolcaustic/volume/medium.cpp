@@ -4,6 +4,7 @@
 #include "volcaustic/error.h"
 #include "volcaustic/openvdb.h"
 #include "volume/brick_collector.h"
+#include "volume/device_medium.h"
 #include "volume/lattice.h"
 #include "volume/medium_store.h"
 #include "volume/optics.h"
@@ -57,16 +58,6 @@ void requireOptics(const Optics& m, const std::string& place) {
     throw Error(ErrorKind::Usage, place + ": attenuation, scattering and asymmetry must be finite");
 }
 
-/// The part of a stage that body `i` of `count` is.
-RunContext shareOf(const RunContext& ctx, std::size_t i, std::size_t count) {
-  RunContext share = ctx;
-  if (ctx.onProgress)
-    share.onProgress = [&ctx, i, count](std::string_view stage, double fraction) {
-      ctx.onProgress(stage, (double(i) + fraction) / double(count));
-    };
-  return share;
-}
-
 } // namespace
 
 openvdb::math::Transform::Ptr domainTransform(const Domain& domain) {
@@ -117,15 +108,16 @@ Medium buildMedium(std::span<const Body> bodies, const Ambient& ambient, const D
   for (const Body& body : bodies) requireOptics(body.material, body.name.empty() ? "material" : body.name);
   initialiseOpenVdb();
 
-  std::vector<const Body*> order; // from low priority to high
-  for (const Body& body : bodies) order.push_back(&body);
-  std::stable_sort(order.begin(), order.end(), [](const Body* a, const Body* b) { return a->priority < b->priority; });
+  std::vector<Body> order(bodies.begin(), bodies.end()); // from low priority to high
+  std::stable_sort(order.begin(), order.end(), [](const Body& a, const Body& b) { return a.priority < b.priority; });
+  if (auto bricks = mediumOnDevice(order, ambient, domain, options, ctx))
+    return Medium(domain, ambient, std::make_shared<MediumStore>(std::move(bricks), domain, ambient, ctx));
 
-  OpticsBricks optics = ambientOptics(domain, ambient, bodies, ctx);
+  OpticsBricks optics = ambientOptics(domain, ambient, order, ctx);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const RunContext share = shareOf(ctx, i, order.size());
-    const CoveragePatch patch = voxeliseBody(*order[i], domain, options.supersample, options.fill, share);
-    paintBody(optics, patch, order[i]->material, share);
+    const CoveragePatch patch = voxeliseBody(order[i], domain, options.supersample, options.fill, share);
+    paintBody(optics, patch, order[i].material, share);
     share.progress("blend", 1);
   }
   collapseUniform(optics, ctx);

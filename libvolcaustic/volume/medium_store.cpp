@@ -54,9 +54,21 @@ MediumStore::MediumStore(OpticsBricks&& bricks, const Domain& domain, const Ambi
   mCtx.memoryLimit = ctx.memoryLimit;
 }
 
+MediumStore::MediumStore(std::shared_ptr<const DeviceBricks> bricks, const Domain& domain, const Ambient& ambient,
+                         const RunContext& ctx)
+    : mOnDevice(std::move(bricks)), mDomain(domain), mAmbient(ambient) {
+  mCtx.threads = ctx.threads;
+  mCtx.memoryLimit = ctx.memoryLimit;
+}
+
+void MediumStore::copyFromDevice() {
+  if (!mBricks && !mGrids && mOnDevice) mBricks = std::make_shared<OpticsBricks>(mOnDevice->download(mCtx));
+}
+
 const MediumGrids& MediumStore::grids() {
   const std::lock_guard lock(mMutex);
   if (mGrids) return *mGrids;
+  copyFromDevice();
   if (!mBricks) throw Error(ErrorKind::Internal, "medium: an earlier conversion to grids failed; build it again");
   // Whoever else holds the bricks keeps them.
   const std::shared_ptr<OpticsBricks> bricks = std::move(mBricks);
@@ -64,8 +76,9 @@ const MediumGrids& MediumStore::grids() {
   return *mGrids;
 }
 
-std::shared_ptr<const OpticsBricks> MediumStore::bricks() const {
+std::shared_ptr<const OpticsBricks> MediumStore::bricks() {
   const std::lock_guard lock(mMutex);
+  copyFromDevice();
   return mBricks;
 }
 

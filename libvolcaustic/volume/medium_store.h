@@ -1,6 +1,8 @@
-// What a Medium holds: bricks as they were built, or OpenVDB grids once somebody has asked for them.
+// What a Medium holds: bricks as they were built, in the memory of this machine or of a GPU, or OpenVDB grids once
+// somebody has asked for them.
 #pragma once
 
+#include "backends/cuda_medium.h"
 #include "volcaustic/openvdb.h"
 #include "volume/optics.h"
 
@@ -15,14 +17,21 @@ public:
   explicit MediumStore(MediumGrids grids) : mGrids(std::move(grids)) {}
   /// \pre the bricks' backgrounds are the ambient medium
   MediumStore(OpticsBricks&& bricks, const Domain& domain, const Ambient& ambient, const RunContext& ctx);
+  MediumStore(std::shared_ptr<const DeviceBricks> bricks, const Domain& domain, const Ambient& ambient,
+              const RunContext& ctx);
 
   /// Made on the first call, from any thread; the bricks are given up for them, one set after the other.
   [[nodiscard]] const MediumGrids& grids();
-  /// Null once there are grids.
-  [[nodiscard]] std::shared_ptr<const OpticsBricks> bricks() const;
+  /// Null once there are grids. Those of a GPU are copied on the first call.
+  [[nodiscard]] std::shared_ptr<const OpticsBricks> bricks();
+  /// Null where the medium was not built on a GPU.
+  [[nodiscard]] const std::shared_ptr<const DeviceBricks>& onDevice() const { return mOnDevice; }
 
 private:
-  mutable std::mutex mMutex;
+  void copyFromDevice();
+
+  std::mutex mMutex;
+  std::shared_ptr<const DeviceBricks> mOnDevice;
   std::shared_ptr<OpticsBricks> mBricks;
   std::optional<MediumGrids> mGrids;
   Domain mDomain;

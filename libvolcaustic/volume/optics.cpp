@@ -17,10 +17,9 @@ namespace {
 
 Vec3f toFloat(const Rgb& c) { return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])}; }
 
-/// Exact at both ends, and where both ends are equal.
-float mix(float from, float to, float t) { return t == 1.0f ? to : from + t * (to - from); }
-Vec3f mix(const Vec3f& from, const Vec3f& to, float t) {
-  return {mix(from[0], to[0], t), mix(from[1], to[1], t), mix(from[2], to[2], t)};
+using kernels::mixTo;
+Vec3f mixTo(const Vec3f& from, const Vec3f& to, float t) {
+  return {mixTo(from[0], to[0], t), mixTo(from[1], to[1], t), mixTo(from[2], to[2], t)};
 }
 
 template <class T>
@@ -105,37 +104,16 @@ void collapse(BrickGrid<T>& grid, const RunContext& ctx) {
   grid = std::move(result);
 }
 
-/// Weights of the taps at distance 1, 2, ... of a normalised Gaussian; the one at 0 is what they leave of 1.
-template <int Radius>
-std::array<float, Radius> tapWeights() {
-  const double sigma = (2 * Radius + 1) / 6.0;
-  std::array<double, Radius> w{};
-  double sum = 1;
-  for (int t = 0; t < Radius; ++t) {
-    w[t] = std::exp(-0.5 * (t + 1) * (t + 1) / (sigma * sigma));
-    sum += 2 * w[t];
-  }
-  std::array<float, Radius> result{};
-  for (int t = 0; t < Radius; ++t) result[t] = static_cast<float>(w[t] / sum);
-  return result;
-}
-
-/// out[i] = in[i] + sum over t of w_t ((in[i - t stride] + in[i + t stride]) - 2 in[i]): a convolution whose weights
-/// sum to exactly 1, so that constants keep their bits. `in` points at the first centre.
+/// Of Count places in a row; `in` points at the first.
 template <int Radius, int Count, int Stride>
-inline void blurLine(const float* __restrict in, const std::array<float, Radius>& weights, float* __restrict out) {
-  for (int i = 0; i < Count; ++i) {
-    float sum = in[i];
-    for (int t = 0; t < Radius; ++t)
-      sum += weights[t] * ((in[i - (t + 1) * Stride] + in[i + (t + 1) * Stride]) - 2 * in[i]);
-    out[i] = sum;
-  }
+inline void blurLine(const float* __restrict in, const kernels::BlurWeights& weights, float* __restrict out) {
+  for (int i = 0; i < Count; ++i) out[i] = kernels::blurTap<Radius, Stride>(in + i, weights.of);
 }
 
 template <int Radius>
 class BrickBlur {
 public:
-  explicit BrickBlur(const BrickGrid<float>& grid) : mGrid(grid), mWeights(tapWeights<Radius>()) {}
+  explicit BrickBlur(const BrickGrid<float>& grid) : mGrid(grid), mWeights(gaussianWeights(2 * Radius + 1)) {}
 
   /// True when the blurred voxels of a brick differ. What is in reach of a constant brick may be too little to show.
   bool varies(std::int64_t b) {
@@ -174,7 +152,7 @@ private:
   }
 
   const BrickGrid<float>& mGrid;
-  std::array<float, Radius> mWeights;
+  kernels::BlurWeights mWeights;
   Block mIn;
   std::array<float, kBrickSize * Block::kPlane> mX;
   std::array<float, kBrickSize * kBrickSize * Block::kRow> mY;
@@ -210,8 +188,9 @@ BrickGrid<float> blurBy(const BrickGrid<float>& grid, const RunContext& ctx) {
   bricks.resize(kept);
 
   BrickGrid<float> result(grid.dims(), grid.background());
+  // A brick whose voxels differ beyond the domain only has the value of those inside, of which the first is one.
   for (const std::int64_t b : occupied)
-    if (grid.isConstant(b)) result.setConstant(b, grid.constant(b));
+    result.setConstant(b, grid.isConstant(b) ? grid.constant(b) : grid.voxels(b)[0]);
   ctx.requireMemory(grid.memoryBytes() + result.memoryBytes() + kept * kBrickVoxels * sizeof(float),
                     "smoothing the index");
   result.activate(bricks, Fill::Later);
@@ -221,14 +200,36 @@ BrickGrid<float> blurBy(const BrickGrid<float>& grid, const RunContext& ctx) {
 
 } // namespace
 
+kernels::BlurWeights gaussianWeights(int width) {
+  const double sigma = width / 6.0;
+  const int radius = width / 2;
+  std::array<double, kernels::kMostBlurRadius> w{};
+  double sum = 1;
+  for (int t = 0; t < radius; ++t) {
+    w[t] = std::exp(-0.5 * (t + 1) * (t + 1) / (sigma * sigma));
+    sum += 2 * w[t];
+  }
+  kernels::BlurWeights weights{};
+  for (int t = 0; t < radius; ++t) weights.of[t] = static_cast<float>(w[t] / sum);
+  return weights;
+}
+
+std::uint8_t changedGrids(const Ambient& ambient, std::span<const Body> bodies) {
+  std::uint8_t grids = kernels::kIndexBit | kernels::kCoverageBit;
+  for (const Body& body : bodies) {
+    const Material& m = body.material;
+    if (m.attenuation != ambient.attenuation) grids |= kernels::kAttenuationBit;
+    if (m.scattering != ambient.scattering) grids |= kernels::kScatteringBit;
+    if (m.asymmetry != ambient.asymmetry) grids |= kernels::kAsymmetryBit;
+  }
+  return grids;
+}
+
 OpticsBricks ambientOptics(const Domain& domain, const Ambient& ambient, std::span<const Body> bodies,
                            const RunContext& ctx) {
-  const auto anyBody = [&](auto&& differs) {
-    return std::any_of(bodies.begin(), bodies.end(), [&](const Body& b) { return differs(b.material); });
-  };
-  const bool attenuates = anyBody([&](const Material& m) { return m.attenuation != ambient.attenuation; });
-  const bool scatters = anyBody([&](const Material& m) { return m.scattering != ambient.scattering; });
-  const bool turns = anyBody([&](const Material& m) { return m.asymmetry != ambient.asymmetry; });
+  const std::uint8_t grids = changedGrids(ambient, bodies);
+  const bool attenuates = grids & kernels::kAttenuationBit, scatters = grids & kernels::kScatteringBit;
+  const bool turns = grids & kernels::kAsymmetryBit;
   ctx.requireMemory((2 + turns) * tableBytes<float>(domain) + (int{attenuates} + scatters) * tableBytes<Vec3f>(domain),
                     "the medium's bricks");
   OpticsBricks optics;
@@ -241,9 +242,11 @@ OpticsBricks ambientOptics(const Domain& domain, const Ambient& ambient, std::sp
 }
 
 void paintBody(OpticsBricks& optics, const CoveragePatch& patch, const Material& material, const RunContext& ctx) {
-  const auto towards = [](const auto& end) { return [end](const auto& value, float c) { return mix(value, end, c); }; };
+  const auto towards = [](const auto& end) {
+    return [end](const auto& value, float c) { return mixTo(value, end, c); };
+  };
   paint(optics.index, patch, ctx, towards(static_cast<float>(material.index)));
-  paint(optics.coverage, patch, ctx, [](float value, float c) { return 1.0f - (1.0f - value) * (1.0f - c); });
+  paint(optics.coverage, patch, ctx, kernels::coverTo);
   if (optics.attenuation) paint(*optics.attenuation, patch, ctx, towards(toFloat(material.attenuation)));
   if (optics.scattering) paint(*optics.scattering, patch, ctx, towards(toFloat(material.scattering)));
   if (optics.asymmetry) paint(*optics.asymmetry, patch, ctx, towards(static_cast<float>(material.asymmetry)));

@@ -1,21 +1,17 @@
 // Optical properties on brick grids: bodies painted over the ambient medium by coverage, and the Gaussian on the index.
 #pragma once
 
-#include "core/brick_grid.h"
+#include "backends/optics_bricks.h"
+#include "kernels/painting.h"
 #include "volcaustic/medium.h"
 #include "volume/voxelise.h"
 
-#include <optional>
 #include <span>
 
 namespace volcaustic {
 
-/// A medium in the making. A grid that would be the ambient value everywhere is absent.
-struct OpticsBricks {
-  BrickGrid<float> index, coverage;
-  std::optional<BrickGrid<Vec3f>> attenuation, scattering;
-  std::optional<BrickGrid<float>> asymmetry;
-};
+/// kernels::PaintedGrids that the bodies change; index and coverage are always among them.
+std::uint8_t changedGrids(const Ambient& ambient, std::span<const Body> bodies);
 
 /// The ambient medium over a domain, with grids for what some body changes.
 /// \throws Error(Input) when the brick tables alone are beyond the memory limit.
@@ -28,6 +24,10 @@ void paintBody(OpticsBricks& optics, const CoveragePatch& patch, const Material&
 
 /// Makes bricks whose 512 voxels are equal constant again, and gives their memory back.
 void collapseUniform(OpticsBricks& optics, const RunContext& ctx = {});
+
+/// Of a normalised Gaussian of `width` taps (odd, 1 to 11) with a standard deviation of width/6; the middle one is what
+/// they leave of 1.
+kernels::BlurWeights gaussianWeights(int width);
 
 /// Separable Gaussian of `width` taps (odd, 1 to 11) with a standard deviation of width/6 voxels. Beyond the domain its
 /// nearest voxel continues. Where all voxels in reach are equal the value keeps its bits.

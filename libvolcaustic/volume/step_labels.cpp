@@ -131,12 +131,16 @@ private:
   CellRanges<3> mAttenuationCells;
 };
 
-StepLabels::StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, double voxelSize,
-                       const StepFieldOptions& options, const RunContext& ctx, const Visit& visit)
-    : mVoxelSize(voxelSize), mOptions(options), mDims(index.dims()) {
+void requireTolerances(const StepFieldOptions& options) {
   if (options.indexTolerance > options.indexTolerance2)
     throw Error(ErrorKind::Usage,
                 "stepField: indexTolerance is above indexTolerance2; the first is the tighter of the two");
+}
+
+StepLabels::StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, double voxelSize,
+                       const StepFieldOptions& options, const RunContext& ctx, const Visit& visit)
+    : mVoxelSize(voxelSize), mOptions(options), mDims(index.dims()) {
+  requireTolerances(options);
   const Vec3f a = attenuation ? attenuation->background() : Vec3f{0, 0, 0};
   mAmbient.low = mAmbient.high = {index.background(), a[0], a[1], a[2]};
   BrickSet band(index.brickDims());

@@ -21,6 +21,9 @@ namespace volcaustic {
 /// A label as a step byte has it: level m, and kernels::kStepCappedBit where steps are capped.
 using StepLabel = std::uint8_t;
 
+/// \throws Error(Usage) for tolerances in the wrong order.
+void requireTolerances(const StepFieldOptions& options);
+
 class StepLabels {
 public:
   /// Called once for each brick of the band, from several threads: its place in the band, the brick, the greatest minus
@@ -29,7 +32,7 @@ public:
 
   /// Both grids over the same domain; without one of attenuation its range stays within the tolerance everywhere. One
   /// pass over the bricks in or beside which something varies labels them and visits them.
-  /// \throws Error(Usage) for tolerances in the wrong order.
+  /// \throws as requireTolerances()
   StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, double voxelSize,
              const StepFieldOptions& options, const RunContext& ctx, const Visit& visit = {});
 

@@ -3,7 +3,6 @@
 #include "core/simd_clones.h"
 #include "volcaustic/error.h"
 #include "volume/columns.h"
-#include "volume/gpu_coverage.h"
 #include "volume/winding.h"
 
 #include <algorithm>
@@ -155,46 +154,59 @@ Box checkedBounds(const Body& body, const Domain& domain, int supersample) {
   return box;
 }
 
-/// Faces that come twice, once for each side, enclose nothing; nor does a body between the samples show.
-void warnIfEmpty(const CoveragePatch& patch, const Body& body, const RunContext& ctx) {
-  if (!patch.coverage.occupied().empty()) return;
-  ctx.warn(placeOf(body) +
-           ": no sample of the domain is inside the mesh; it is thinner than a sub-voxel, lies outside, or "
-           "its faces cancel (each present once for each side)");
-}
-
 } // namespace
 
-CoveragePatch voxeliseBody(const Body& body, const Domain& domain, int supersample, FillRule fill,
-                           const RunContext& ctx) {
+SampledBody::SampledBody(const Body& body, const Domain& domain, int supersample, FillRule fill, const RunContext& ctx)
+    : mPlace(placeOf(body)) {
   const Box box = checkedBounds(body, domain, supersample);
   const Mesh& mesh = *body.mesh;
   const std::vector<BoundaryEdge> chain = boundaryChain(mesh, ctx);
-  if (!chain.empty()) reportOpenMesh(body, fill, ctx);
-  const LoopCaps caps = capLoops(mesh, chain);
+  mClosed = chain.empty();
+  if (!mClosed) reportOpenMesh(body, fill, ctx);
+  mCaps = capLoops(mesh, chain);
 
   // Outside its box a closed mesh winds around nothing; at a distance d caps of area A do by less than A / (4 pi d^2).
-  const double margin = chain.empty() ? 0 : std::sqrt(areaInVoxels(caps, domain) / 6.28) + 1;
+  const double margin = mClosed ? 0 : std::sqrt(areaInVoxels(mCaps, domain) / 6.28) + 1;
   const BrickRange range = bricksMet(box, margin, domain);
+  if (range.empty()) return;
+  mFirstBrick = range.first;
+  mLattice = latticeOf(range, domain, supersample);
+  mPoints = 3 * mesh.positions.size();
+  mTriangles = std::make_unique<const LatticeTriangles>(mesh, mCaps, mLattice, ctx);
+}
+SampledBody::~SampledBody() = default;
+
+CountTask SampledBody::task() const {
+  Vec3i bricks;
+  for (int a = 0; a < 3; ++a) bricks[a] = mLattice.size[a] / mLattice.brickSamples();
+  return {{mTriangles->points(), mPoints}, mTriangles->corners(), bricks, mLattice.log2};
+}
+
+CoveragePatch SampledBody::cover(const RunContext& ctx) const {
   CoveragePatch patch;
-  if (range.empty()) return patch;
-  patch.firstBrick = range.first;
-  const SubLattice lattice = latticeOf(range, domain, supersample);
-  const Vec3i dims{lattice.size[0] / supersample, lattice.size[1] / supersample, lattice.size[2] / supersample};
-  const std::string what = placeOf(body) + ": voxelising at this resolution";
+  patch.firstBrick = mFirstBrick;
+  if (!reachesDomain()) return patch;
+  Vec3i dims;
+  for (int a = 0; a < 3; ++a) dims[a] = mLattice.size[a] >> mLattice.log2;
+  const std::string what = mPlace + ": voxelising at this resolution";
   ctx.requireMemory(std::uint64_t(dims[0]) * dims[1] * dims[2] / kBrickVoxels * 10, what);
   patch.coverage = BrickGrid<float>(dims, 0.0f);
-
-  const LatticeTriangles triangles(mesh, caps, lattice, ctx);
-  const CountTask task{
-      {triangles.points(), 3 * mesh.positions.size()}, triangles.corners(), patch.coverage.brickDims(), lattice.log2};
-  if (!chain.empty() || !coverageOnGpu(task, what, patch.coverage, ctx)) {
-    std::unique_ptr<const CapOffsets> offsets;
-    if (!chain.empty()) offsets = std::make_unique<CapOffsets>(caps, lattice, ctx);
-    coverColumns(triangles, offsets.get(), lattice, what, patch.coverage, ctx);
-  }
-  warnIfEmpty(patch, body, ctx);
+  std::unique_ptr<const CapOffsets> offsets;
+  if (!mClosed) offsets = std::make_unique<CapOffsets>(mCaps, mLattice, ctx);
+  coverColumns(*mTriangles, offsets.get(), mLattice, what, patch.coverage, ctx);
+  if (patch.coverage.occupied().empty()) warnOfNothing(ctx);
   return patch;
+}
+
+void SampledBody::warnOfNothing(const RunContext& ctx) const {
+  // Faces that come twice, once for each side, enclose nothing; nor does a body between the samples show.
+  ctx.warn(mPlace + ": no sample of the domain is inside the mesh; it is thinner than a sub-voxel, lies outside, or "
+                    "its faces cancel (each present once for each side)");
+}
+
+CoveragePatch voxeliseBody(const Body& body, const Domain& domain, int supersample, FillRule fill,
+                           const RunContext& ctx) {
+  return SampledBody(body, domain, supersample, fill, ctx).cover(ctx);
 }
 
 } // namespace volcaustic

@@ -116,6 +116,17 @@ TEST(GaussianBlur, AgreesWithTheDenseOneEverywhere) {
   }
 }
 
+TEST(GaussianBlur, ABodyGoesOnWhereOnlyTheDomainEndsInsideABrick) {
+  for (const int edge : {20, 21, 23}) {
+    const OpticsBricks o = painted({body(box({2, 2, 2}, {23.5, 23.5, 23.5}), glass(1.5))}, cubeDomain(edge));
+    const BrickGrid<float> blurred = gaussianBlur(o.index, 9);
+    for (int x = 7; x < edge; ++x) // out of reach of the near faces
+      for (int y = 7; y < edge; ++y)
+        for (int z = 7; z < edge; ++z)
+          ASSERT_EQ(blurred.at(x, y, z), 1.5f) << edge << ": " << x << ' ' << y << ' ' << z;
+  }
+}
+
 TEST(GaussianBlur, KeepsTheSumAndTheBitsOfConstants) {
   const Domain domain = cubeDomain(96);
   const float ambient = 1.000293f, inside = 1.4585f; // air and quartz: neither is a short binary fraction
