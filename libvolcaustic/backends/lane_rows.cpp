@@ -2,7 +2,9 @@
 // set of lanes.h.
 //
 // Small triangles, which is nearly all of them, go a register of them at a time through the rows of their rectangles,
-// side by side; a large one goes alone, through a register of rows at a time.
+// side by side; a large one goes alone, through a register of rows at a time. Either way the edge functions of a row
+// are one addition each (RowTriangle::valuesOfLine), and the rows that cross are set aside and get their heights a full
+// register at a time.
 
 #include "backends/highway_lanes.h"
 #include "backends/row_pages.h"
@@ -13,101 +15,125 @@ namespace {
 
 using kernels::Crossing;
 using kernels::RowColumn;
+using kernels::RowPlane;
 using kernels::RowTriangle;
 using kernels::Vec3;
 
 using Tag = Real::Tag;
-using CodeTag = hn::RebindToSigned<hn::Rebind<std::int32_t, Tag>>;
+using WideTag = hn::RebindToSigned<Tag>;
+using CodeTag = hn::Rebind<std::int32_t, Tag>;
 using Codes = hn::Vec<CodeTag>;
 
-/// Rows that a triangle may meet so that it still goes side by side with others.
+/// Rows along an axis that a triangle may meet so that it still goes side by side with others.
 constexpr int kSideBySide = 8;
+/// Rows of a column along an axis, at most; a power of two.
+constexpr int kMostRows = 64, kMostRowsLog2 = 6;
+static_assert(kSideBySide * kRealLanes <= kMostRows);
+constexpr int kLanesLog2 = kRealLanes == 8 ? 3 : 2;
+static_assert(1 << kLanesLog2 == kRealLanes);
+/// Less than any edge function, and no row with it crosses.
+constexpr double kOutside = -0x1p60;
 
 VOLCAUSTIC_HD inline Codes toCodes(Real a) { return hn::DemoteTo(CodeTag(), a.v); }
+VOLCAUSTIC_HD inline Codes codes(std::int32_t a) { return hn::Set(CodeTag(), a); }
 VOLCAUSTIC_HD inline Real ceilOf(Real a) { return Real(hn::Ceil(a.v)); }
 VOLCAUSTIC_HD inline Real floorOf(Real a) { return Real(hn::Floor(a.v)); }
+VOLCAUSTIC_HD inline Real load(const double* p) { return Real(hn::Load(Tag(), p)); }
+VOLCAUSTIC_HD inline void store(Real a, double* p) { hn::Store(a.v, Tag(), p); }
+VOLCAUSTIC_HD inline Real gather(const double* p, Codes at) {
+  return Real(hn::GatherIndex(Tag(), p, hn::PromoteTo(WideTag(), at)));
+}
 
-/// Crossings on their way to the pages.
-class Batch {
-public:
-  Batch(RowPages& pages, const RowColumn& column)
-      : mPages(pages), mSamples(column.samples), mShift(column.brickLog2()), mMask((1 << column.brickLog2()) - 1) {}
-  ~Batch() { flush(); }
-
-  /// Of the lanes that are on: where they are sampled, what stands at the heights z.
-  VOLCAUSTIC_HD void append(const RealMask& on, Codes rows, Codes signs, Real z, Real offset) {
-    const Real samples(mSamples);
-    const Real k = ceilOf(smaller(larger((z - offset) * Real(1.0 / kernels::kFixedOne), Real(0.0)), samples));
-    const RealMask kept = both(on, k < samples);
-    const Codes sample = toCodes(k), inBrick = hn::And(sample, hn::Set(CodeTag(), mMask));
-    const Codes code = hn::Or(hn::Or(hn::ShiftLeft<19>(hn::ShiftRightSame(sample, mShift)), hn::ShiftLeft<7>(rows)),
-                              hn::Or(hn::ShiftLeft<1>(inBrick), signs));
-    if (mSize + kRealLanes > kCapacity) flush();
-    compress(kept, code);
-  }
-
-private:
-  static constexpr int kCapacity = 1024;
-
-  VOLCAUSTIC_HD void compress(const RealMask& kept, Codes code) {
+/// Writes the codes of the lanes that are on, one after another, and up to a register of anything after them.
+/// \return how many there are
+VOLCAUSTIC_HD inline int compress(const RealMask& on, Codes code, std::int32_t* out) {
 #if HWY_TARGET == HWY_AVX2
-    // Highway's table of lane orders would be copied to the stack on every call (highway_lanes.h).
-    alignas(16) std::int32_t codes[kRealLanes];
-    hn::Store(code, CodeTag(), codes);
-    std::uint8_t bits = 0;
-    hn::StoreMaskBits(Tag(), kept.m, &bits);
-    for (unsigned left = bits; left != 0; left &= left - 1)
-      mCrossings[mSize++] = static_cast<Crossing>(codes[__builtin_ctz(left)]);
+  // Highway's table of lane orders would be copied to the stack on every call (highway_lanes.h).
+  alignas(16) std::int32_t all[kRealLanes];
+  hn::Store(code, CodeTag(), all);
+  std::uint8_t bits = 0;
+  hn::StoreMaskBits(Tag(), on.m, &bits);
+  int size = 0;
+  for (unsigned left = bits; left != 0; left &= left - 1) out[size++] = all[__builtin_ctz(left)];
+  return size;
 #else
-    const hn::Mask<CodeTag> of{kept.m.raw};
-    mSize +=
-        static_cast<int>(hn::CompressStore(code, of, CodeTag(), reinterpret_cast<std::int32_t*>(mCrossings + mSize)));
+  const hn::Mask<CodeTag> of{on.m.raw};
+  hn::StoreU(hn::Compress(code, of), CodeTag(), out);
+  return static_cast<int>(hn::CountTrue(CodeTag(), of));
 #endif
-  }
-  void flush() {
-    mPages.add(mCrossings, mSize);
-    mSize = 0;
-  }
-
-  RowPages& mPages;
-  double mSamples;
-  int mShift;
-  std::int32_t mMask;
-  int mSize = 0;
-  alignas(64) Crossing mCrossings[kCapacity + kRealLanes];
-};
+}
 
 class Crosser {
 public:
-  Crosser(const RowsTask& task, RowPages& pages)
-      : mTask(task), mColumn(task.column), mPages(pages), mBatch(pages, task.column) {
+  Crosser(const RowsTask& task, RowPages& pages) : mTask(task), mColumn(task.column), mPages(pages) {
     const double s = 1 << mColumn.log2;
     mInset = kernels::stagger(0, mColumn.log2);
-    mInsetZ = kernels::stagger(0, 2 * mColumn.log2);
     mSub = s;
     mPart = 1 / s;
     mStep = kernels::kFixedOne / s;
-    mStepZ = kernels::kFixedOne / (s * s);
   }
+  ~Crosser() { flush(); }
 
+  /// Corners are on their way from memory while the triangles before them are looked at.
   void run() {
-    for (std::int64_t i = 0; i < mTask.count; i += kRealLanes) packet(i);
+    if (mTask.count == 0) return;
+    Indices next = indicesFrom(0);
+    for (std::int64_t i = 0; i < mTask.count; i += kRealLanes) {
+      const Indices present = next;
+      if (i + kRealLanes < mTask.count) {
+        next = indicesFrom(i + kRealLanes);
+        prefetch(next);
+        prefetchTriangles(i + 3 * kRealLanes);
+      }
+      packet(i, present);
+    }
   }
 
 private:
   struct Rects {
     Real x0, y0, x1, y1;
   };
+  /// Edge functions along one side of a rectangle of rows. Side by side: of line i and lane l at i kRealLanes + l.
+  struct alignas(64) Side {
+    double a[kMostRows], b[kMostRows], c[kMostRows];
+  };
+  using Values = RowTriangle<Real>::Values;
+  /// Where the triangles' corners begin among the points' numbers.
+  struct Indices {
+    hn::Vec<WideTag> a, b, c;
+  };
 
-  /// The triangles from number `first` on, as many as there are lanes; the last one is repeated where there are fewer.
-  void packet(std::int64_t first) {
+  /// The triangles from number `first` on, as many as there are lanes; where there are fewer, any.
+  [[nodiscard]] VOLCAUSTIC_HD Indices indicesFrom(std::int64_t first) const {
+    const hn::Rebind<std::uint32_t, Tag> narrow;
+    const hn::RebindToUnsigned<WideTag> wide;
+    const auto lanes = hn::FirstN(narrow, static_cast<std::size_t>(mTask.count - first));
+    const auto id = hn::PromoteTo(wide, hn::MaskedLoad(lanes, narrow, mTask.ids + first));
+    static_assert(sizeof(mTask.triangles[0]) == 8 + 4);
+    const auto at = hn::BitCast(WideTag(), hn::Add(hn::ShiftLeft<3>(id), hn::ShiftLeft<2>(id)));
+    // Two corners at a time: the first and the second, then the second and the third.
+    const auto* const base = reinterpret_cast<const std::int64_t*>(mTask.triangles);
+    const auto ab = hn::GatherOffset(WideTag(), base, at),
+               bc = hn::GatherOffset(WideTag(), base, hn::Add(at, hn::Set(WideTag(), sizeof(std::uint32_t))));
+    const auto low = hn::Set(WideTag(), 0xffffffff);
+    const auto thrice = [](hn::Vec<WideTag> v) __attribute__((always_inline)) { return hn::Add(hn::Add(v, v), v); };
+    return {thrice(hn::And(ab, low)), thrice(hn::And(bc, low)), thrice(upperHalves(bc))};
+  }
+  VOLCAUSTIC_HD void prefetch(const Indices& indices) const {
+    alignas(64) std::int64_t all[3 * kRealLanes];
+    hn::Store(indices.a, WideTag(), all);
+    hn::Store(indices.b, WideTag(), all + kRealLanes);
+    hn::Store(indices.c, WideTag(), all + 2 * kRealLanes);
+    for (const std::int64_t i : all) __builtin_prefetch(mTask.points + i);
+  }
+  VOLCAUSTIC_HD void prefetchTriangles(std::int64_t first) const {
+    for (std::int64_t i = first; i < mTask.count && i < first + kRealLanes; ++i)
+      __builtin_prefetch(mTask.triangles + mTask.ids[i]);
+  }
+
+  void packet(std::int64_t first, const Indices& indices) {
     const std::int64_t left = mTask.count - first;
-    alignas(64) std::int64_t vertices[3][kRealLanes];
-    for (int lane = 0; lane < kRealLanes; ++lane) {
-      const auto& t = mTask.triangles[mTask.ids[first + (lane < left ? lane : left - 1)]];
-      for (int corner = 0; corner < 3; ++corner) vertices[corner][lane] = 3 * std::int64_t{t[corner]};
-    }
-    const Vec3<Real> a = corners(vertices[0]), b = corners(vertices[1]), c = corners(vertices[2]);
+    const Vec3<Real> a = corners(indices.a), b = corners(indices.b), c = corners(indices.c);
     const Real lowX = smaller(smaller(a.x, b.x), c.x), highX = larger(larger(a.x, b.x), c.x),
                lowY = smaller(smaller(a.y, b.y), c.y), highY = larger(larger(a.y, b.y), c.y);
     const Rects rects = rectsOf(lowX, lowY, highX, highY);
@@ -133,9 +159,11 @@ private:
     }
   }
 
-  [[nodiscard]] VOLCAUSTIC_HD Vec3<Real> corners(const std::int64_t* vertices) const {
-    const hn::RebindToSigned<Tag> wide;
-    const auto at = hn::Load(wide, vertices);
+  [[nodiscard]] VOLCAUSTIC_HD static hn::Vec<WideTag> upperHalves(hn::Vec<WideTag> v) {
+    const hn::RebindToUnsigned<WideTag> bits;
+    return hn::BitCast(WideTag(), hn::ShiftRight<32>(hn::BitCast(bits, v)));
+  }
+  [[nodiscard]] VOLCAUSTIC_HD Vec3<Real> corners(hn::Vec<WideTag> at) const {
     return {Real(hn::GatherIndex(Tag(), mTask.points, at)), Real(hn::GatherIndex(Tag(), mTask.points + 1, at)),
             Real(hn::GatherIndex(Tag(), mTask.points + 2, at))};
   }
@@ -154,93 +182,155 @@ private:
             last(highY, box.y0, box.y1)};
   }
 
-  /// 1 where crossings count up.
-  [[nodiscard]] VOLCAUSTIC_HD Codes signsOf(const RealMask& rises) const {
-    const auto up =
-        hn::IfThenElse(rises.m, hn::Set(Tag(), mTask.reversed ? 0.0 : 1.0), hn::Set(Tag(), mTask.reversed ? 1.0 : 0.0));
-    return toCodes(Real(up));
-  }
-
-  /// Rows of rectangles along one axis, in the lanes of their triangles.
-  struct Along {
-    Real at;     ///< row number, in lattice units
-    Real offset; ///< of what is sampled along the other axis
-    Real phase;  ///< of the voxel's rows
-    Real place;  ///< in the column's numbers of rows
-    RealMask in;
-  };
-  VOLCAUSTIC_HD int rowsAlong(Real first, Real last, std::int32_t columnFirst, double stride, const RealMask& on,
-                              Along (&rows)[kSideBySide]) const {
-    const Real one(1.0), unit(kernels::kFixedOne), origin(columnFirst), scale(stride);
-    int count = 0;
-    for (Real row = first;; row = row + one) {
-      const RealMask in = both(on, row <= last);
-      if (!any(in)) return count;
-      const Real p = phase(row);
-      rows[count++] = {row * unit, offsetOf(p), p, (row - origin) * scale, in};
-    }
-  }
-
   /// Each lane one triangle: row by row of the largest rectangle.
   void sideBySide(const RowTriangle<Real>& triangles, const Rects& rects, const RealMask& on) {
-    const Codes signs = signsOf(triangles.rises());
-    Along alongX[kSideBySide], alongY[kSideBySide];
-    const int countX = rowsAlong(rects.x0, rects.x1, mColumn.firstX, mColumn.edge(), on, alongX);
-    const int countY = rowsAlong(rects.y0, rects.y1, mColumn.firstY, 1, on, alongY);
-    for (int i = 0; i < countX; ++i)
-      for (int j = 0; j < countY; ++j) {
-        const Along &x = alongX[i], &y = alongY[j];
-        const auto values = triangles.valuesAt(x.at + y.offset, y.at + x.offset);
-        const RealMask crossed = both(both(x.in, y.in), triangles.crosses(values));
-        if (!any(crossed)) continue;
-        mBatch.append(crossed, toCodes(x.place + y.place), signs, triangles.height(values), offsetZ(x.phase, y.phase));
-      }
+    const Real one(1.0), unit(kernels::kFixedOne);
+    int lines = 0, across = 0;
+    for (Real row = rects.x0;; row = row + one, ++lines) {
+      const RealMask in = both(on, row <= rects.x1);
+      if (!any(in)) break;
+      place(triangles.valuesOfLine(row * unit, offsetOf(phase(row))), in, mLine, lines * kRealLanes);
+    }
+    for (Real row = rects.y0;; row = row + one, ++across) {
+      const RealMask in = both(on, row <= rects.y1);
+      if (!any(in)) break;
+      place(triangles.valuesAcross(offsetOf(phase(row)), row * unit), in, mAcross, across * kRealLanes);
+    }
+    const Codes each = hn::Mul(hn::Iota(CodeTag(), 0), codes(kMostRows + 1));
+    int hits = 0;
+    for (int i = 0; i < lines * kRealLanes; i += kRealLanes) {
+      const Values line{load(mLine.a + i), load(mLine.b + i), load(mLine.c + i)};
+      for (int j = 0; j < across * kRealLanes; j += kRealLanes) hits = findHits(line, i, j, each, hits);
+    }
+    const Codes starts = startsOf(rects.x0, rects.y0, triangles.rises());
+    emit(
+        hits, [&](Codes line, Codes atAcross) __attribute__((always_inline)) {
+          const Codes lane = hn::And(line, codes(kRealLanes - 1));
+          return Hit{planesOf(triangles.plane(), lane),
+                     hn::TableLookupLanes(starts, hn::IndicesFromVec(CodeTag(), lane)),
+                     hn::ShiftRight<kLanesLog2>(line), hn::ShiftRight<kLanesLog2>(atAcross)};
+        });
   }
 
   /// Each lane one row.
   void alone(std::int64_t number, const Rects& rects, int lane) {
     alignas(64) double x0[kRealLanes], y0[kRealLanes], x1[kRealLanes], y1[kRealLanes];
-    hn::Store(rects.x0.v, Tag(), x0);
-    hn::Store(rects.y0.v, Tag(), y0);
-    hn::Store(rects.x1.v, Tag(), x1);
-    hn::Store(rects.y1.v, Tag(), y1);
+    store(rects.x0, x0), store(rects.y0, y0), store(rects.x1, x1), store(rects.y1, y1);
     const auto& t = mTask.triangles[mTask.ids[number]];
     const auto corner = [&](int c) __attribute__((always_inline)) {
       const double* p = mTask.points + 3 * std::size_t(t[c]);
       return Vec3<Real>(Real(p[0]), Real(p[1]), Real(p[2]));
     };
     const RowTriangle<Real> triangle(corner(0), corner(1), corner(2));
-    const Codes signs = signsOf(triangle.rises());
-    const Real unit(kernels::kFixedOne), last(y1[lane]);
-    const Real lanes(hn::Iota(Tag(), 0.0f));
-    for (double x = x0[lane]; x <= x1[lane]; x += 1) {
-      const Real i(x), alongY = phase(i), rowX((x - mColumn.firstX) * mColumn.edge());
-      for (double y = y0[lane]; y <= y1[lane]; y += kRealLanes) {
-        const Real j = Real(y) + lanes, alongX = phase(j);
-        const auto values = triangle.valuesAt(i * unit + offsetOf(alongX), j * unit + offsetOf(alongY));
-        const RealMask crossed = both(j <= last, triangle.crosses(values));
-        if (!any(crossed)) continue;
-        const Codes rows = toCodes(rowX + (j - Real(mColumn.firstY)));
-        mBatch.append(crossed, rows, signs, triangle.height(values), offsetZ(alongY, alongX));
-      }
+    const Real unit(kernels::kFixedOne), iota(hn::Iota(Tag(), 0.0));
+    const auto lines = static_cast<int>(x1[lane] - x0[lane]) + 1, across = static_cast<int>(y1[lane] - y0[lane]) + 1;
+    for (int i = 0; i < lines; i += kRealLanes) {
+      const Real row = Real(x0[lane] + i) + iota;
+      place(triangle.valuesOfLine(row * unit, offsetOf(phase(row))), row <= Real(x1[lane]), mLine, i);
     }
+    for (int j = 0; j < across; j += kRealLanes) {
+      const Real row = Real(y0[lane] + j) + iota;
+      place(triangle.valuesAcross(offsetOf(phase(row)), row * unit), row <= Real(y1[lane]), mAcross, j);
+    }
+    int hits = 0;
+    for (int i = 0; i < lines; ++i) {
+      const Values line{Real(mLine.a[i]), Real(mLine.b[i]), Real(mLine.c[i])};
+      for (int j = 0; j < across; j += kRealLanes) hits = findHits(line, i, j, hn::Iota(CodeTag(), 0), hits);
+    }
+    const Codes start = startsOf(Real(x0[lane]), Real(y0[lane]), triangle.rises());
+    emit(
+        hits, [&](Codes line, Codes atAcross) __attribute__((always_inline)) {
+          return Hit{triangle.plane(), start, line, atAcross};
+        });
+  }
+
+  VOLCAUSTIC_HD static void place(const Values& v, const RealMask& in, Side& side, int at) {
+    store(select(in, v.a, Real(kOutside)), side.a + at);
+    store(v.b, side.b + at);
+    store(v.c, side.c + at);
+  }
+  /// Adds to the hits which of a register of rows cross: places in mLine and mAcross, line << kMostRowsLog2 | across.
+  /// \return the number of hits
+  VOLCAUSTIC_HD int findHits(const Values& line, int i, int j, Codes each, int hits) {
+    const RealMask crossed =
+        triangleCrosses({line.a + load(mAcross.a + j), line.b + load(mAcross.b + j), line.c + load(mAcross.c + j)});
+    return hits + compress(crossed, hn::Add(codes(i << kMostRowsLog2 | j), each), mHits + hits);
+  }
+  VOLCAUSTIC_HD static RealMask triangleCrosses(const Values& v) {
+    const Real none(0.0);
+    return both(both(v.a >= none, v.b >= none), v.c >= none);
+  }
+
+  /// A register of rows that cross: the planes of their triangles, codes of their rectangles, and where in these.
+  struct Hit {
+    RowPlane<Real> plane;
+    Codes start, i, j;
+  };
+  /// The code of a rectangle's first row: that of a crossing at no sample.
+  [[nodiscard]] VOLCAUSTIC_HD Codes startsOf(Real x0, Real y0, const RealMask& rises) const {
+    const Codes row = toCodes((x0 - Real(mColumn.firstX)) * Real(mColumn.edge()) + (y0 - Real(mColumn.firstY)));
+    const Real up = select(rises, Real(mTask.reversed ? 0.0 : 1.0), Real(mTask.reversed ? 1.0 : 0.0));
+    return hn::Or(hn::ShiftLeft<7>(row), toCodes(up));
+  }
+  [[nodiscard]] VOLCAUSTIC_HD static RowPlane<Real> planesOf(const RowPlane<Real>& planes, Codes lane) {
+    const auto at = hn::IndicesFromVec(Tag(), hn::PromoteTo(WideTag(), lane));
+    const auto of = [&](Real v) __attribute__((always_inline)) { return Real(hn::TableLookupLanes(v.v, at)); };
+    return {of(planes.biasB), of(planes.biasC), of(planes.area), of(planes.z), of(planes.riseB), of(planes.riseC)};
+  }
+
+  /// Turns the hits into crossings, those before the rows' last sample.
+  template <class HitAt>
+  VOLCAUSTIC_HD void emit(int hits, HitAt&& hitAt) {
+    hn::StoreU(hn::Zero(CodeTag()), CodeTag(), mHits + hits);
+    for (int k = 0; k < hits; k += kRealLanes) {
+      const Codes code = hn::LoadU(CodeTag(), mHits + k);
+      const Codes line = hn::ShiftRight<kMostRowsLog2>(code), across = hn::And(code, codes(kMostRows - 1));
+      const Hit hit = hitAt(line, across);
+      const Real z = hit.plane.height(gather(mLine.b, line) + gather(mAcross.b, across),
+                                      gather(mLine.c, line) + gather(mAcross.c, across));
+      const Codes start =
+          hn::Add(hit.start, hn::ShiftLeft<7>(hn::Add(hn::ShiftLeftSame(hit.i, mColumn.brickLog2()), hit.j)));
+      append(RealMask{hn::FirstN(Tag(), static_cast<std::size_t>(hits - k))}, start, z);
+    }
+  }
+
+  /// kernels::firstSampleFrom on lanes.
+  VOLCAUSTIC_HD void append(const RealMask& on, Codes start, Real z) {
+    const int brickLog2 = mColumn.brickLog2(), log2 = mColumn.log2;
+    const Codes mask = codes((1 << log2) - 1), row = hn::ShiftRight<7>(start);
+    const Codes p = hn::And(hn::ShiftRightSame(row, brickLog2), mask), q = hn::And(row, mask);
+    const Codes odd = hn::Or(hn::ShiftLeft<1>(hn::Or(hn::ShiftLeftSame(p, log2), q)), codes(1));
+    const Real offset(hn::PromoteTo(Tag(), hn::ShiftRightSame(hn::ShiftLeft<kernels::kFixedBits - 1>(odd), 2 * log2)));
+    const Real samples(mColumn.samples);
+    const Real k = ceilOf(smaller(larger((z - offset) * Real(1.0 / kernels::kFixedOne), Real(0.0)), samples));
+    const Codes sample = toCodes(k), inBrick = hn::And(sample, codes((1 << brickLog2) - 1));
+    const Codes code =
+        hn::Or(hn::ShiftLeft<19>(hn::ShiftRightSame(sample, brickLog2)), hn::Or(hn::ShiftLeft<1>(inBrick), start));
+    if (mSize + kRealLanes > kCapacity) flush();
+    mSize += compress(both(on, k < samples), code, mCrossings + mSize);
+  }
+  void flush() {
+    mPages.add(reinterpret_cast<const Crossing*>(mCrossings), mSize);
+    mSize = 0;
   }
 
   /// Of row numbers, which are not negative: the number within a voxel.
   [[nodiscard]] VOLCAUSTIC_HD Real phase(Real row) const { return row - floorOf(row * Real(mPart)) * Real(mSub); }
-  /// kernels::stagger of the phase, and of the phases p s + q along z.
+  /// kernels::stagger of the phase.
   [[nodiscard]] VOLCAUSTIC_HD Real offsetOf(Real phases) const { return Real(mInset) + phases * Real(mStep); }
-  [[nodiscard]] VOLCAUSTIC_HD Real offsetZ(Real p, Real q) const {
-    return Real(mInsetZ) + (p * Real(mSub) + q) * Real(mStepZ);
-  }
+
+  static constexpr int kCapacity = 1024;
 
   const RowsTask& mTask;
   RowColumn mColumn;
   RowPages& mPages;
-  Batch mBatch;
-  double mInset, mInsetZ; // least staggers
-  double mSub, mPart;     // rows along a voxel, and 1 of them in voxels
-  double mStep, mStepZ;   // from one stagger to the next
+  double mInset;      // least stagger
+  double mSub, mPart; // rows along a voxel, and 1 of them in voxels
+  double mStep;       // from one stagger to the next
+  Side mLine, mAcross;
+  int mSize = 0;
+  alignas(64) std::int32_t mHits[kMostRows * kMostRows + kRealLanes];
+  alignas(64) std::int32_t mCrossings[kCapacity + kRealLanes];
 };
 
 template <class Word>

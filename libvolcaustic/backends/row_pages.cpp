@@ -1,7 +1,7 @@
 #include "backends/row_pages.h"
 
 #include <algorithm>
-#include <bit>
+#include <utility>
 
 namespace volcaustic {
 
@@ -69,22 +69,31 @@ RowPages::RowPages(int bricks, int log2)
     , mPages(std::size_t(bricks), -1) {}
 
 std::int32_t RowPages::touch(int brick) {
-  if (mWords.size() < std::size_t(mUsed + 1) * mPageWords) mWords.resize(std::size_t(mUsed + 1) * mPageWords, 0);
-  return mPages[brick] = mUsed++;
+  if (mWords.size() < mUsedWords + mPageWords) mWords.resize(mUsedWords + mPageWords, 0);
+  const std::size_t first = std::exchange(mUsedWords, mUsedWords + mPageWords);
+  return mPages[brick] = static_cast<std::int32_t>(first / kPageUnit);
 }
 
 template <class Word>
 void RowPages::addAs(const Crossing* crossings, int count) {
+  // Held here: writes to the pages' words might be writes to these, for all that the compiler knows.
+  const std::int32_t* const pages = mPages.data();
+  const int rows = mRows;
+  std::uint64_t* words = mWords.data();
   for (int i = 0; i < count; ++i) {
     const Crossing c = crossings[i];
     const int brick = kernels::crossingBrick(c);
-    if (mPages[brick] < 0) [[unlikely]]
-      touch(brick);
-    Word& word = page<Word>(brick)[kernels::crossingRow(c) + (kernels::crossingRises(c) ? 0 : mRows)];
-    const Word bit = Word{1} << kernels::crossingSample(c);
-    if (word & bit) [[unlikely]]
+    std::int32_t page = pages[brick];
+    if (page < 0) [[unlikely]] {
+      page = touch(brick);
+      words = mWords.data();
+    }
+    Word& word = reinterpret_cast<Word*>(
+        words + std::size_t(page) * kPageUnit)[kernels::crossingRow(c) + (kernels::crossingRises(c) ? 0 : rows)];
+    const Word before = word, bit = Word{1} << kernels::crossingSample(c);
+    word = before | bit;
+    if (before & bit) [[unlikely]]
       mExtra.push_back(c);
-    word |= bit;
   }
 }
 
@@ -98,10 +107,10 @@ void RowPages::add(const Crossing* crossings, int count) {
 void RowPages::sortExtra() { std::sort(mExtra.begin(), mExtra.end()); }
 
 void RowPages::clear() {
-  std::fill(mWords.begin(), mWords.begin() + static_cast<std::ptrdiff_t>(std::size_t(mUsed) * mPageWords), 0);
+  std::fill(mWords.begin(), mWords.begin() + static_cast<std::ptrdiff_t>(mUsedWords), 0);
   std::fill(mPages.begin(), mPages.end(), -1);
   mExtra.clear();
-  mUsed = 0;
+  mUsedWords = 0;
 }
 
 RowRect rowsAround(const RowsTask& task, std::int64_t i) {

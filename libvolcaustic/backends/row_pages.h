@@ -43,12 +43,12 @@ public:
 
   /// Appends crossings of the column, in any order.
   void add(const kernels::Crossing* crossings, int count);
-  [[nodiscard]] bool empty() const { return mUsed == 0; }
+  [[nodiscard]] bool empty() const { return mUsedWords == 0; }
   [[nodiscard]] bool touched(int brick) const { return mPages[brick] >= 0; }
   /// The rows' bits of a touched brick: those that rise, then those that fall. \pre Word fits log2
   template <class Word>
   [[nodiscard]] Word* page(int brick) {
-    return reinterpret_cast<Word*>(mWords.data() + std::size_t(mPages[brick]) * mPageWords);
+    return reinterpret_cast<Word*>(mWords.data() + std::size_t(mPages[brick]) * kPageUnit);
   }
   /// Crossings that found their bit taken: a second one of the same sign at the same sample. Sorted by brick and row
   /// once sortExtra() was called.
@@ -64,9 +64,10 @@ private:
 
   bool mWide;
   int mRows;
-  std::size_t mPageWords; // of 64 bits
-  int mUsed = 0;
-  std::vector<std::int32_t> mPages; // of the bricks, -1 for none
+  /// Pages are whole numbers of 64 words of 64 bits: two bits for each of 64 rows and more.
+  static constexpr std::size_t kPageUnit = 64;
+  std::size_t mPageWords, mUsedWords = 0;
+  std::vector<std::int32_t> mPages; // where the bricks' pages begin, in page units; -1 for none
   std::vector<std::uint64_t> mWords;
   std::vector<kernels::Crossing> mExtra;
 };

@@ -84,6 +84,22 @@ struct RowEdge {
     constant = none - minusDy * px - dx * py - bias;
   }
   [[nodiscard]] VOLCAUSTIC_HD N at(N x, N y) const { return exactMulAdd(dx, y, exactMulAdd(minusDy, x, constant)); }
+  /// at(x, y) less at(0, 0).
+  [[nodiscard]] VOLCAUSTIC_HD N change(N x, N y) const { return exactMulAdd(dx, y, minusDy * x); }
+};
+
+/// The plane of a triangle, over twice the areas that its second and its third corner are opposite of.
+template <class N>
+struct RowPlane {
+  using Real = DoubleOf<N>;
+  N biasB, biasC;
+  Real area, z, riseB, riseC;
+
+  /// In lattice units, where RowTriangle::valuesAt() gives b and c. The same bits on every machine: nothing here may be
+  /// fused.
+  [[nodiscard]] VOLCAUSTIC_HD Real height(N b, N c) const {
+    return z + unfusedSum(toReal(b + biasB), riseB, toReal(c + biasC), riseC) / area;
+  }
 };
 
 /// A triangle as rows see it: from below, with samples relative to its first corner.
@@ -108,10 +124,7 @@ public:
     mOfA = RowEdge<N>(first.x, first.y, second.x, second.y);
     mOfB = RowEdge<N>(second.x, second.y, none, none);
     mOfC = RowEdge<N>(none, none, first.x, first.y);
-    mArea = toReal(area);
-    mZ = toReal(a.z);
-    mRiseB = toReal(first.z);
-    mRiseC = toReal(second.z);
+    mPlane = {mOfB.bias, mOfC.bias, toReal(area), toReal(a.z), toReal(first.z), toReal(second.z)};
   }
 
   /// Without area, as rows see it: no row crosses it.
@@ -125,14 +138,23 @@ public:
     y = y - mOrigin.y;
     return {mOfA.at(x, y), mOfB.at(x, y), mOfC.at(x, y)};
   }
+  /// The two parts of it: valuesAt(x + dx, y + dy) = valuesOfLine(x, dy) + valuesAcross(dx, y), whole numbers all of
+  /// them. So the rows of a rectangle need the products of its sides only.
+  [[nodiscard]] VOLCAUSTIC_HD Values valuesOfLine(N x, N dy) const {
+    x = x - mOrigin.x;
+    return {mOfA.at(x, dy), mOfB.at(x, dy), mOfC.at(x, dy)};
+  }
+  [[nodiscard]] VOLCAUSTIC_HD Values valuesAcross(N dx, N y) const {
+    y = y - mOrigin.y;
+    return {mOfA.change(dx, y), mOfB.change(dx, y), mOfC.change(dx, y)};
+  }
   [[nodiscard]] VOLCAUSTIC_HD MaskOf<N> crosses(const Values& v) const {
     const N none(0);
     return both(both(v.a >= none, v.b >= none), v.c >= none);
   }
-  /// Height of the crossing, in lattice units. The same bits on every machine: nothing here may be fused.
-  [[nodiscard]] VOLCAUSTIC_HD Real height(const Values& v) const {
-    return mZ + unfusedSum(toReal(v.b + mOfB.bias), mRiseB, toReal(v.c + mOfC.bias), mRiseC) / mArea;
-  }
+  /// Height of the crossing, in lattice units.
+  [[nodiscard]] VOLCAUSTIC_HD Real height(const Values& v) const { return mPlane.height(v.b, v.c); }
+  [[nodiscard]] VOLCAUSTIC_HD const RowPlane<N>& plane() const { return mPlane; }
 
   /// False when no row that is sampled between `low` and `high` crosses. \pre not flat
   [[nodiscard]] VOLCAUSTIC_HD bool mayCross(N lowX, N lowY, N highX, N highY) const {
@@ -149,7 +171,7 @@ private:
 
   Vec3<N> mOrigin;
   RowEdge<N> mOfA, mOfB, mOfC;
-  Real mArea, mZ, mRiseB, mRiseC;
+  RowPlane<N> mPlane;
   MaskOf<N> mFlat, mRises;
 };
 

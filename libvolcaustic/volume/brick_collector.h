@@ -8,8 +8,10 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace volcaustic {
@@ -25,20 +27,23 @@ public:
     return mSlots[slot].back().voxels;
   }
 
-  /// Activates and fills the bricks in `grid`, and forgets them.
+  /// Activates and fills the bricks in `grid` with value(x) of what they hold here, and forgets them.
   /// \throws Error(Input), naming `what`, when they do not fit the memory limit.
-  void moveInto(BrickGrid<T>& grid, std::string_view what, const RunContext& ctx) {
-    std::vector<const Entry*> entries;
+  template <class Value, class Of = std::identity>
+  void moveInto(BrickGrid<Value>& grid, std::string_view what, const RunContext& ctx, Of value = {}) {
+    std::vector<std::pair<std::int64_t, const Entry*>> entries;
     for (const auto& slot : mSlots)
-      for (const Entry& entry : slot) entries.push_back(&entry);
-    ctx.requireMemory(grid.memoryBytes() + 2 * entries.size() * sizeof(Entry), what);
-    std::sort(entries.begin(), entries.end(), [](const Entry* a, const Entry* b) { return a->brick < b->brick; });
+      for (const Entry& entry : slot) entries.emplace_back(entry.brick, &entry);
+    ctx.requireMemory(grid.memoryBytes() + entries.size() * (sizeof(Entry) + kBrickVoxels * sizeof(Value)), what);
+    std::sort(entries.begin(), entries.end()); // a brick comes once
     std::vector<std::int64_t> bricks(entries.size());
-    std::transform(entries.begin(), entries.end(), bricks.begin(), [](const Entry* e) { return e->brick; });
-    grid.activate(bricks);
+    std::transform(entries.begin(), entries.end(), bricks.begin(), [](const auto& e) { return e.first; });
+    grid.activate(bricks, Fill::Later);
     parallelFor(static_cast<std::int64_t>(entries.size()), 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-      for (std::int64_t i = begin; i < end; ++i)
-        std::copy(entries[i]->voxels.begin(), entries[i]->voxels.end(), grid.voxels(entries[i]->brick).begin());
+      for (std::int64_t i = begin; i < end; ++i) {
+        const auto& [brick, entry] = entries[i];
+        std::transform(entry->voxels.begin(), entry->voxels.end(), grid.voxels(brick).begin(), value);
+      }
     });
     mSlots.assign(mSlots.size(), {});
   }

@@ -1,10 +1,12 @@
 #include "volume/cap_offsets.h"
 
 #include "core/parallel.h"
+#include "core/simd_clones.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace volcaustic {
 
@@ -13,7 +15,8 @@ namespace {
 /// A sample on a cap lies on the side where the rows put it: they take it to be a little further along x and less so
 /// along y, and in z the crossing to be before it.
 constexpr Vec3d kNudge{0x1p-24, 0x1p-32, 0x1p-18};
-constexpr int kSmallestCube = 4;
+/// Below, looking for the few caps that are near takes longer than adding them up at every sample.
+constexpr int kSmallestCube = 8;
 
 /// Triangles or edges of the snapped caps, so that rows cross them exactly where the winding number jumps.
 template <std::size_t N>
@@ -38,7 +41,17 @@ Vec3i octantOf(const Vec3i& first, int half, int octant) {
 Vec3d centreOf(const Vec3i& first, int n) { return {first[0] + 0.5 * n, first[1] + 0.5 * n, first[2] + 0.5 * n}; }
 double halfDiagonal(int n) { return 0.5 * n * std::numbers::sqrt3; } // samples are inside their sub-voxels
 
-std::int16_t offsetOf(int whole) { return static_cast<std::int16_t>(-whole); }
+inline std::int16_t offsetOf(int whole) { return static_cast<std::int16_t>(-whole); }
+
+/// offsetOf(roundedWinding()) of a row of samples.
+VOLCAUSTIC_SIMD_CLONES void roundSamples(const double* winding, int n, std::int16_t* __restrict offsets) {
+  for (int k = 0; k < n; ++k) offsets[k] = offsetOf(roundedWinding(winding[k]));
+}
+/// The same beyond whole jumps, from a branch that is a whole number off.
+VOLCAUSTIC_SIMD_CLONES void roundJumping(const double* winding, int n, double branch, const std::int16_t* jumps,
+                                         std::int16_t* __restrict offsets) {
+  for (int k = 0; k < n; ++k) offsets[k] = offsetOf(roundedWinding(winding[k] + (branch + jumps[k])));
+}
 
 /// Whether (x, y) is left of the line from a to b, seen from +z. Exactly the opposite of b to a.
 bool isLeft(const Vec3d& a, const Vec3d& b, double x, double y) {
@@ -54,9 +67,21 @@ class BrickSampler {
 public:
   BrickSampler(const CapWinding& winding, const SubLattice& lattice, const std::vector<CubeInterpolation>& levels,
                const Vec3i& first, std::vector<std::int16_t>& offsets)
-      : mWinding(winding), mLattice(lattice), mLevels(levels), mFirst(first), mOffsets(offsets), mNear(levels.size()) {}
+      : mWinding(winding), mLattice(lattice), mLevels(levels), mFirst(first), mOffsets(offsets), mNear(levels.size()) {
+    const int n = levels.back().size();
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; y < n; ++y)
+        for (int z = 0; z < n; ++z) mSmallestSamples.add(nudgedSample(x, y, z));
+  }
 
-  void run() { sampleCube(mFirst, 0, {}, CapWinding::kAll, 0, CapWinding::kAll); }
+  void run() {
+    const CubeInterpolation& brick = mLevels[0];
+    std::vector<CapWinding::Group> caps;
+    mPoints.place(brick.farNodes(), {double(mFirst[0]), double(mFirst[1]), double(mFirst[2])});
+    mWinding.addFar(CapWinding::kAll, centreOf(mFirst, brick.size()), halfDiagonal(brick.size()),
+                    CubeInterpolation::kFarClearance * 0.5 * brick.size(), mPoints, caps);
+    sampleCube(mFirst, 0, CubeInterpolation::fromFarNodes(mPoints), caps, 0, CapWinding::kAll);
+  }
 
 private:
   using Values = CubeInterpolation::Values;
@@ -71,75 +96,76 @@ private:
     auto& [nearCaps, nearEdges] = mNear[level];
     placeAtNodes(first, level);
     mWinding.addFar(caps, centre, radius, clearance, mPoints, nearCaps);
-    for (int i = 0; i < mPoints.size(); ++i) far[i] += mPoints.sum(i);
+    mPoints.addSumsTo(far.data());
     mWinding.addFarEdges(edges, centre, radius, clearance, gradient, nearEdges);
 
     const double change = radius * (gradient + mWinding.nearGradient(nearEdges, centre, radius));
-    if (change < 0.5 && !isCrossed(level, centre, radius)) {
-      const double atCentre = far[CubeInterpolation::kMiddle] + mWinding.nearAt(nearCaps, centre);
-      if (const auto whole = oneWhole(atCentre, change)) return fill(first, n, offsetOf(*whole));
-    }
-    if (nearEdges.empty() && change < kUnambiguous) return sampleSmooth(first, level, far);
+    if (const auto whole = wholeIn(centre, radius, far, nearCaps, change)) return fill(first, n, offsetOf(*whole));
+    if (nearEdges.empty() && (change < kUnambiguous || allSpan(nearCaps, centre, clearance)))
+      return sampleSmooth(first, level, far);
     if (level + 1 == mLevels.size()) return sampleSingly(first, level, far);
     for (int octant = 0; octant < 8; ++octant)
       sampleCube(octantOf(first, n / 2, octant), level + 1, CubeInterpolation::atOctant(far, octant), nearCaps,
                  gradient, nearEdges);
   }
 
-  [[nodiscard]] bool isCrossed(std::size_t level, const Vec3d& centre, double radius) const {
-    return std::any_of(mNear[level].caps.begin(), mNear[level].caps.end(), [&](CapWinding::Group g) {
+  /// What the cube's winding numbers round to, where it is one number: they change from the centre by no more than
+  /// `change`, nor by more than those of far and of near caps do.
+  [[nodiscard]] std::optional<int> wholeIn(const Vec3d& centre, double radius, const Values& far, Groups near,
+                                           double change) {
+    if (isCrossed(near, centre, radius)) return std::nullopt;
+    const double nearChange = mWinding.nearChange(near, centre, radius);
+    if (change >= 0.5 && nearChange >= 0.5) return std::nullopt;
+    mCentre.clear();
+    mCentre.add(centre);
+    mWinding.addNear(near, mCentre);
+    if (const auto whole = oneWhole(far[CubeInterpolation::kMiddle] + mCentre.sum(0), change)) return whole;
+    const auto [middle, farChange] = CubeInterpolation::range(far);
+    return oneWhole(middle + mCentre.sum(0), farChange + nearChange);
+  }
+
+  [[nodiscard]] bool isCrossed(Groups caps, const Vec3d& centre, double radius) const {
+    return std::any_of(caps.begin(), caps.end(), [&](CapWinding::Group g) {
       return distanceToTriangle(centre, mWinding.cap(g).corners) <= radius;
     });
   }
 
+  /// Whether no cap ends within `clearance`: what is near of each is its plane, and the winding number jumps across
+  /// that by the cap's weight.
+  [[nodiscard]] bool allSpan(Groups caps, const Vec3d& centre, double clearance) const {
+    return std::all_of(caps.begin(), caps.end(),
+                       [&](CapWinding::Group g) { return distanceToRim(centre, mWinding.cap(g).corners) > clearance; });
+  }
+
   void placeAtNodes(const Vec3i& first, std::size_t level) {
-    mPoints.clear();
-    const CubeInterpolation& cube = mLevels[level];
-    for (int a = 0; a < CubeInterpolation::kNodes; ++a)
-      for (int b = 0; b < CubeInterpolation::kNodes; ++b)
-        for (int c = 0; c < CubeInterpolation::kNodes; ++c)
-          mPoints.add({first[0] + cube.node(a), first[1] + cube.node(b), first[2] + cube.node(c)});
+    mPoints.place(mLevels[level].nodes(), {double(first[0]), double(first[1]), double(first[2])});
   }
 
   /// Near caps at every sample.
   void sampleSingly(const Vec3i& first, std::size_t level, const Values& far) {
     const int n = mLevels[level].size();
-    mPoints.clear();
-    for (int x = 0; x < n; ++x)
-      for (int y = 0; y < n; ++y)
-        for (int z = 0; z < n; ++z) mPoints.add(nudgedSample(first[0] + x, first[1] + y, first[2] + z));
+    mPoints.place(mSmallestSamples, {double(first[0]), double(first[1]), double(first[2])});
     mWinding.addNear(mNear[level].caps, mPoints);
     mLevels[level].atSamples(far, mSmooth);
-    for (int row = 0; row < n * n; ++row) {
-      std::int16_t* const out = rowOf(first, n, row);
-      for (int k = 0; k < n; ++k) out[k] = offsetOf(roundedWinding(mSmooth[row * n + k] + mPoints.sum(row * n + k)));
-    }
+    mPoints.addSumsTo(mSmooth.data());
+    for (int row = 0; row < n * n; ++row)
+      roundSamples(mSmooth.data() + static_cast<std::ptrdiff_t>(row) * n, n, rowOf(first, n, row));
   }
 
   /// All caps by interpolation of the branch on which the cube's centre is.
   void sampleSmooth(const Vec3i& first, std::size_t level, const Values& far) {
     const int n = mLevels[level].size();
-    mPoints.resetSums();
-    mWinding.addNear(mNear[level].caps, mPoints);
-    const double atCentre = far[CubeInterpolation::kMiddle] + mPoints.sum(CubeInterpolation::kMiddle);
-    Values nearOnly, all;
-    for (int i = 0; i < mPoints.size(); ++i) {
-      nearOnly[i] = mPoints.sum(i) - std::round(far[i] + mPoints.sum(i) - atCentre);
-      all[i] = far[i] + nearOnly[i];
-    }
+    const Values nearOnly = nearOnBranch(first, level, far);
+    Values all;
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = far[i] + nearOnly[i];
     const bool crossed = countJumps(first, level);
-    if (!crossed) {
-      // Interpolation weights of five nodes add up to less than 2 along an axis, signs aside.
-      const auto [low, high] = std::minmax_element(all.begin(), all.end());
-      if (const auto whole = oneWhole(0.5 * (*low + *high), 4 * (*high - *low)))
+    if (!crossed)
+      if (const auto [middle, change] = CubeInterpolation::range(all); const auto whole = oneWhole(middle, change))
         return fill(first, n, offsetOf(*whole));
-    }
     mLevels[level].atSamples(all, mSmooth);
     if (!crossed) {
-      for (int row = 0; row < n * n; ++row) {
-        std::int16_t* const out = rowOf(first, n, row);
-        for (int k = 0; k < n; ++k) out[k] = offsetOf(roundedWinding(mSmooth[row * n + k]));
-      }
+      for (int row = 0; row < n * n; ++row)
+        roundSamples(mSmooth.data() + static_cast<std::ptrdiff_t>(row) * n, n, rowOf(first, n, row));
       return;
     }
     placeOnRows(first, n);
@@ -149,9 +175,35 @@ private:
       const std::int16_t* const jumps = mJumps.data() + static_cast<std::ptrdiff_t>(row) * (n + 1);
       const int reference = mReference[row];
       const double branch = std::round(mPoints.sum(row) - mSmoothNear[row * n + reference]) - jumps[reference];
-      std::int16_t* const out = rowOf(first, n, row);
-      for (int k = 0; k < n; ++k) out[k] = offsetOf(roundedWinding(mSmooth[row * n + k] + (branch + jumps[k])));
+      roundJumping(mSmooth.data() + static_cast<std::ptrdiff_t>(row) * n, n, branch, jumps, rowOf(first, n, row));
     }
+  }
+
+  /// Near caps at the cube's nodes, less the jumps on the way from its centre. A cap that spans the cube jumps from one
+  /// sign to the other; how often others do is known where the sum of all changes by less than one half.
+  Values nearOnBranch(const Vec3i& first, std::size_t level, const Values& far) {
+    const double clearance = CubeInterpolation::kClearance * 0.5 * mLevels[level].size();
+    const Vec3d centre = centreOf(first, mLevels[level].size());
+    Values sum{};
+    bool spans = true;
+    for (const CapWinding::Group g : mNear[level].caps) {
+      mPoints.resetSums();
+      mWinding.addNear({&g, 1}, mPoints);
+      Values one{};
+      mPoints.addSumsTo(one.data());
+      if (distanceToRim(centre, mWinding.cap(g).corners) > clearance) {
+        const bool positive = one[CubeInterpolation::kMiddle] > 0;
+        const double jump = std::abs(mWinding.cap(g).weight) * (positive ? 1 : -1);
+        for (double& w : one) w += (w > 0) == positive ? 0 : jump;
+      } else {
+        spans = false;
+      }
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += one[i];
+    }
+    if (spans) return sum;
+    const double atCentre = far[CubeInterpolation::kMiddle] + sum[CubeInterpolation::kMiddle];
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= std::round(far[i] + sum[i] - atCentre);
+    return sum;
   }
 
   /// For every row of a cube the jump between its start and each sample. False where no cap crosses the cube.
@@ -243,7 +295,8 @@ private:
     std::vector<CapWinding::Group> caps, edges;
   };
   std::vector<Near> mNear; // the present cube of each level
-  PointSums mPoints;
+  PointSums mPoints, mCentre;
+  PointSums mSmallestSamples; // of the smallest cubes, nudged, seen from their low corners
   std::vector<double> mSmooth, mSmoothNear;
   std::vector<std::int16_t> mJumps;
   std::vector<int> mReference;

@@ -77,6 +77,12 @@ std::vector<Weighted<N>> merged(const std::vector<std::array<Vec3d, N>>& figures
   return result;
 }
 
+/// The gradient of a solid angle is the Biot-Savart integral over its boundary: of a side of length l at distance d
+/// less than l / (4 pi d^2) of the whole sphere, and than 1 / (4 d), that of a whole straight line.
+double sideGradient(double side, double distance) {
+  return distance > 0 ? std::min(side / (kWholeSphere * distance * distance), 1 / (4 * distance)) : kInfinity;
+}
+
 AreaMoments momentsOf(std::span<const WeightedTriangle> triangles, const Vec3d& middle) {
   AreaMoments m{{0, 0, 0}, {0, 0, 0}, {}, 0};
   double area = 0;
@@ -108,6 +114,10 @@ double distanceToTriangle(const Vec3d& p, const std::array<Vec3d, 3>& t) {
   bool above = dot(normal, normal) > 0; // p projects into the triangle
   for (int i = 0; i < 3 && above; ++i) above = dot(cross(t[(i + 1) % 3] - t[i], p - t[i]), normal) >= 0;
   if (above) return std::abs(dot(p - t[0], normal)) / length(normal);
+  return distanceToRim(p, t);
+}
+
+double distanceToRim(const Vec3d& p, const std::array<Vec3d, 3>& t) {
   return std::min(
       {distanceToSegment(p, t[0], t[1]), distanceToSegment(p, t[1], t[2]), distanceToSegment(p, t[2], t[0])});
 }
@@ -164,13 +174,6 @@ double CapWinding::at(const Vec3d& p) const {
   return points.sum(0);
 }
 
-double CapWinding::nearAt(std::span<const Group> near, const Vec3d& p) const {
-  PointSums points;
-  points.add(p);
-  addNear(near, points);
-  return points.sum(0);
-}
-
 void CapWinding::addFar(std::span<const Group> groups, const Vec3d& centre, double radius, double clearance,
                         PointSums& points, std::vector<Group>& near) const {
   near.clear();
@@ -201,13 +204,23 @@ bool CapWinding::touches(Group group, const Vec3d& centre, double radius) const 
   return distanceToTriangle(centre, cap(group).corners) <= radius;
 }
 
-/// The gradient of a solid angle is the Biot-Savart integral over its boundary; that over a whole straight line at
-/// distance d is 1 / (4 d).
+double CapWinding::nearChange(std::span<const Group> near, const Vec3d& centre, double radius) const {
+  double gradient = 0;
+  for (const Group g : near) {
+    const auto& [t, weight] = cap(g);
+    for (int i = 0; i < 3; ++i) {
+      const Vec3d &a = t[i], &b = t[(i + 1) % 3];
+      gradient += std::abs(weight) * sideGradient(length(b - a), distanceToSegment(centre, a, b) - radius);
+    }
+  }
+  return radius * gradient;
+}
+
 double CapWinding::edgeGradient(Group group, double distance) const {
-  if (distance <= 0) return kInfinity;
   const auto& [low, high, first, count, right] = mEdges.nodes[group];
-  const double byLength = mEdgeLengths[group] / (kWholeSphere * distance * distance);
-  return right ? byLength : std::min(byLength, std::abs(mEdges.items[first].weight) / (4 * distance));
+  if (right) return distance > 0 ? mEdgeLengths[group] / (kWholeSphere * distance * distance) : kInfinity;
+  const auto& [corners, weight] = mEdges.items[first];
+  return std::abs(weight) * sideGradient(length(corners[1] - corners[0]), distance);
 }
 
 void CapWinding::addFarEdges(std::span<const Group> edges, const Vec3d& centre, double radius, double clearance,

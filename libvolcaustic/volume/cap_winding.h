@@ -49,8 +49,11 @@ public:
   void addFar(std::span<const Group> groups, const Vec3d& centre, double radius, double clearance, PointSums& points,
               std::vector<Group>& near) const;
   void addNear(std::span<const Group> near, PointSums& points) const;
-  [[nodiscard]] double nearAt(std::span<const Group> near, const Vec3d& p) const;
   [[nodiscard]] const WeightedTriangle& cap(Group single) const { return mCaps.items[mCaps.nodes[single].first]; }
+
+  /// The most that the winding number of near caps changes from the centre to anywhere within `radius` of it; infinite
+  /// where one has a side there. \pre none of them crosses that ball
+  [[nodiscard]] double nearChange(std::span<const Group> near, const Vec3d& centre, double radius) const;
 
   /// Names of groups of boundary edges, and of single ones. Away from the caps a winding number's gradient is at most
   /// the sum of l / (4 pi d^2) over the edges, of length l at distance d, or 1 / (4 d) for a long one. Adds to
@@ -92,5 +95,7 @@ std::optional<int> oneWhole(double w, double change);
 
 /// From a point to a triangle.
 double distanceToTriangle(const Vec3d& p, const std::array<Vec3d, 3>& t);
+/// From a point to the nearest of a triangle's sides.
+double distanceToRim(const Vec3d& p, const std::array<Vec3d, 3>& t);
 
 } // namespace volcaustic

@@ -58,7 +58,26 @@ inline void countSamplesOf(const Word* __restrict rows, std::uint16_t* __restric
   }
 }
 
+template <class Signed, class Word>
+inline void insideOf(const Signed* winding, const std::int16_t* offsets, int rows, int samples, Word* inside) {
+  for (int row = 0; row < rows; ++row, offsets += samples) {
+    const auto none = static_cast<Word>(-winding[row]);
+    Word bits = 0;
+    for (int k = 0; k < samples; ++k) bits |= Word{static_cast<Word>(static_cast<Signed>(offsets[k])) != none} << k;
+    inside[row] = bits;
+  }
+}
+
 } // namespace
+
+VOLCAUSTIC_SIMD_CLONES void insideOfOffsets(const std::int32_t* winding, const std::int16_t* offsets, int rows,
+                                            int samples, std::uint32_t* inside) {
+  insideOf(winding, offsets, rows, samples, inside);
+}
+VOLCAUSTIC_SIMD_CLONES void insideOfOffsets(const std::int64_t* winding, const std::int16_t* offsets, int rows,
+                                            int samples, std::uint64_t* inside) {
+  insideOf(winding, offsets, rows, samples, inside);
+}
 
 VOLCAUSTIC_SIMD_CLONES void countSamples(const std::uint32_t* rows, int log2,
                                          std::span<std::uint16_t, kBrickVoxels> counts) {

@@ -51,6 +51,13 @@ struct SubLattice {
   }
 };
 
+/// The inside of a brick's rows along which the winding number does not change: bit k of a row is set where that and
+/// the offset of sample k (`samples` a row, in row order) are not 0 together.
+void insideOfOffsets(const std::int32_t* winding, const std::int16_t* offsets, int rows, int samples,
+                     std::uint32_t* inside);
+void insideOfOffsets(const std::int64_t* winding, const std::int16_t* offsets, int rows, int samples,
+                     std::uint64_t* inside);
+
 /// Samples inside each voxel of a brick, from the bits of its brickSamples()^2 rows (y fastest).
 void countSamples(const std::uint32_t* rows, int log2, std::span<std::uint16_t, kBrickVoxels> counts);
 void countSamples(const std::uint64_t* rows, int log2, std::span<std::uint16_t, kBrickVoxels> counts);

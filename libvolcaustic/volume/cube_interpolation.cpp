@@ -13,37 +13,89 @@ constexpr int kNodes = CubeInterpolation::kNodes;
 using Row = std::array<double, kNodes>;
 
 /// Chebyshev points of [-1, 1].
-const Row kPoints = [] {
-  Row points;
-  for (int i = 0; i < kNodes; ++i) points[i] = -std::cos(std::numbers::pi * (2 * i + 1) / (2 * kNodes));
-  points[kNodes / 2] = 0;
+template <int N>
+std::array<double, N> chebyshevPoints() {
+  std::array<double, N> points;
+  for (int i = 0; i < N; ++i) points[i] = -std::cos(std::numbers::pi * (2 * i + 1) / (2 * N));
+  points[N / 2] = 0;
   return points;
-}();
+}
+const Row kPoints = chebyshevPoints<kNodes>();
 
 /// Lagrange's polynomials at t.
-Row weightsAt(double t) {
-  Row weights;
-  for (int i = 0; i < kNodes; ++i) {
+template <std::size_t N>
+std::array<double, N> weightsAt(double t, const std::array<double, N>& points) {
+  std::array<double, N> weights;
+  for (std::size_t i = 0; i < N; ++i) {
     weights[i] = 1;
-    for (int j = 0; j < kNodes; ++j)
-      if (j != i) weights[i] *= (t - kPoints[j]) / (kPoints[i] - kPoints[j]);
+    for (std::size_t j = 0; j < N; ++j)
+      if (j != i) weights[i] *= (t - points[j]) / (points[i] - points[j]);
   }
   return weights;
 }
 
-VOLCAUSTIC_SIMD_CLONES void combine(const double* __restrict weights, const Row& values, int n,
-                                    double* __restrict out) {
-  for (int k = 0; k < n; ++k) {
-    double sum = 0;
-    for (int c = 0; c < kNodes; ++c) sum += values[c] * weights[c * n + k];
-    out[k] = sum;
+/// What the passes of an interpolation have in common: rows of nodes, added up with weights. Numbers of a row side by
+/// side, in the order of the nodes whatever the instruction set.
+template <int Count>
+inline void weightedSum(const double* __restrict weights, const double* __restrict rows, double* __restrict out) {
+  for (int i = 0; i < Count; ++i) out[i] = weights[0] * rows[i];
+  for (int a = 1; a < kNodes; ++a)
+    for (int i = 0; i < Count; ++i) out[i] += weights[a] * rows[a * Count + i];
+}
+
+/// Cube of n^3 samples from 5^3 values: weights across rows by [i][phase], along them by [phase][node][k].
+VOLCAUSTIC_SIMD_CLONES void interpolate(const double* values, const double* across, const double* along, int n, int sub,
+                                        double* __restrict out) {
+  double planes[8][kNodes * kNodes]; // at a row's x, for each phase of j
+  for (int i = 0; i < n; ++i) {
+    for (int q = 0; q < sub; ++q) weightedSum<kNodes * kNodes>(across + (i * sub + q) * kNodes, values, planes[q]);
+    const int p = i & (sub - 1);
+    for (int j = 0; j < n; ++j, out += n) {
+      const int q = j & (sub - 1);
+      double row[kNodes];
+      weightedSum<kNodes>(across + (j * sub + p) * kNodes, planes[q], row);
+      const double* const weights = along + static_cast<std::ptrdiff_t>(p * sub + q) * kNodes * n;
+      for (int k = 0; k < n; ++k) {
+        double sum = row[0] * weights[k];
+        for (int c = 1; c < kNodes; ++c) sum += row[c] * weights[c * n + k];
+        out[k] = sum;
+      }
+    }
+  }
+}
+
+using Matrix = std::array<Row, kNodes>;
+
+/// A matrix [to][from] along each axis.
+VOLCAUSTIC_SIMD_CLONES void transform(const double* values, const Matrix* const* along, double* __restrict out) {
+  constexpr int kPlane = kNodes * kNodes;
+  double alongX[kNodes * kPlane], alongY[kNodes * kPlane];
+  for (int i = 0; i < kNodes; ++i) weightedSum<kPlane>((*along[0])[i].data(), values, alongX + i * kPlane);
+  for (int x = 0; x < kNodes; ++x)
+    for (int i = 0; i < kNodes; ++i)
+      weightedSum<kNodes>((*along[1])[i].data(), alongX + x * kPlane, alongY + x * kPlane + i * kNodes);
+  for (int i = 0; i < kNodes; ++i) {
+    const Row& weights = (*along[2])[i];
+    for (int row = 0; row < kPlane; ++row) {
+      double sum = weights[0] * alongY[row * kNodes];
+      for (int c = 1; c < kNodes; ++c) sum += weights[c] * alongY[row * kNodes + c];
+      out[row * kNodes + i] = sum;
+    }
   }
 }
 
 } // namespace
 
 CubeInterpolation::CubeInterpolation(int n, int log2Sub) : mSize(n), mSub(1 << log2Sub) {
-  const auto weights = [n](double position) { return weightsAt(2 * position / n - 1); };
+  for (int x = 0; x < kNodes; ++x)
+    for (int y = 0; y < kNodes; ++y)
+      for (int z = 0; z < kNodes; ++z) mNodes.add({node(x), node(y), node(z)});
+  const auto points = chebyshevPoints<kFarNodes>();
+  const auto at = [&](int i) { return 0.5 * n * (1 + points[i]); };
+  for (int x = 0; x < kFarNodes; ++x)
+    for (int y = 0; y < kFarNodes; ++y)
+      for (int z = 0; z < kFarNodes; ++z) mFarNodes.add({at(x), at(y), at(z)});
+  const auto weights = [n](double position) { return weightsAt(2 * position / n - 1, kPoints); };
   for (int i = 0; i < n; ++i)
     for (int phase = 0; phase < mSub; ++phase) {
       const Row row = weights(i + (phase + 0.5) / mSub);
@@ -62,48 +114,57 @@ double CubeInterpolation::node(int i) const { return 0.5 * mSize * (1 + kPoints[
 
 void CubeInterpolation::atSamples(const Values& values, std::vector<double>& samples) const {
   samples.resize(static_cast<std::size_t>(mSize) * mSize * mSize);
-  std::array<std::array<double, kNodes * kNodes>, 8> planes; // at a row's x, for each phase of j
-  double* out = samples.data();
-  for (int i = 0; i < mSize; ++i) {
-    for (int q = 0; q < mSub; ++q) {
-      const double* const across = mAcross.data() + static_cast<std::ptrdiff_t>(i * mSub + q) * kNodes;
-      for (int bc = 0; bc < kNodes * kNodes; ++bc) {
-        planes[q][bc] = 0;
-        for (int a = 0; a < kNodes; ++a) planes[q][bc] += across[a] * values[a * kNodes * kNodes + bc];
+  interpolate(values.data(), mAcross.data(), mAlong.data(), mSize, mSub, samples.data());
+}
+
+CubeInterpolation::Values CubeInterpolation::fromFarNodes(const PointSums& points) {
+  static const auto kWeights = [] {
+    std::array<std::array<double, kFarNodes>, kNodes> weights;
+    for (int i = 0; i < kNodes; ++i) weights[i] = weightsAt(kPoints[i], chebyshevPoints<kFarNodes>());
+    return weights;
+  }();
+  // One axis at a time; each pass leaves its axis last, so that after three they are in order again.
+  std::array<double, kNodes * kNodes * kNodes> from, to;
+  for (int i = 0; i < points.size(); ++i) from[i] = points.sum(i);
+  int rests = kFarNodes * kFarNodes;
+  for (int pass = 0; pass < 3; ++pass) {
+    for (int rest = 0; rest < rests; ++rest)
+      for (int i = 0; i < kNodes; ++i) {
+        to[rest * kNodes + i] = 0;
+        for (int a = 0; a < kFarNodes; ++a) to[rest * kNodes + i] += kWeights[i][a] * from[a * rests + rest];
       }
-    }
-    const int p = i & (mSub - 1);
-    for (int j = 0; j < mSize; ++j, out += mSize) {
-      const int q = j & (mSub - 1);
-      const double* const across = mAcross.data() + static_cast<std::ptrdiff_t>(j * mSub + p) * kNodes;
-      Row row{};
-      for (int b = 0; b < kNodes; ++b)
-        for (int c = 0; c < kNodes; ++c) row[c] += across[b] * planes[q][b * kNodes + c];
-      combine(mAlong.data() + static_cast<std::ptrdiff_t>(p * mSub + q) * kNodes * mSize, row, mSize, out);
-    }
+    from = to;
+    rests = rests / kFarNodes * kNodes;
   }
+  return from;
+}
+
+CubeInterpolation::Range CubeInterpolation::range(const Values& values) {
+  static const Matrix kCoefficients = [] { // of Chebyshev's polynomials
+    Matrix of;
+    for (int k = 0; k < kNodes; ++k)
+      for (int i = 0; i < kNodes; ++i) of[k][i] = (k ? 2.0 : 1.0) / kNodes * std::cos(k * std::acos(kPoints[i]));
+    return of;
+  }();
+  const Matrix* const along[] = {&kCoefficients, &kCoefficients, &kCoefficients};
+  Values coefficients;
+  transform(values.data(), along, coefficients.data());
+  double sum = 0;
+  for (std::size_t i = 1; i < coefficients.size(); ++i) sum += std::abs(coefficients[i]);
+  return {coefficients[0], sum};
 }
 
 CubeInterpolation::Values CubeInterpolation::atOctant(const Values& values, int octant) {
   static const auto kHalves = [] {
-    std::array<std::array<Row, kNodes>, 2> halves;
+    std::array<Matrix, 2> halves;
     for (int i = 0; i < kNodes; ++i)
-      for (int half = 0; half < 2; ++half) halves[half][i] = weightsAt(0.5 * (kPoints[i] + (half ? 1 : -1)));
+      for (int half = 0; half < 2; ++half) halves[half][i] = weightsAt(0.5 * (kPoints[i] + (half ? 1 : -1)), kPoints);
     return halves;
   }();
-  // One axis at a time; each pass leaves its axis last, so that after three they are in order again.
-  Values from = values, to;
-  for (int pass = 0; pass < 3; ++pass) {
-    const auto& weights = kHalves[octant >> (2 - pass) & 1];
-    for (int rest = 0; rest < kNodes * kNodes; ++rest)
-      for (int i = 0; i < kNodes; ++i) {
-        double sum = 0;
-        for (int a = 0; a < kNodes; ++a) sum += weights[i][a] * from[a * kNodes * kNodes + rest];
-        to[rest * kNodes + i] = sum;
-      }
-    from = to;
-  }
-  return from;
+  const Matrix* const halves[] = {&kHalves[octant >> 2], &kHalves[octant >> 1 & 1], &kHalves[octant & 1]};
+  Values result;
+  transform(values.data(), halves, result.data());
+  return result;
 }
 
 } // namespace volcaustic

@@ -2,6 +2,7 @@
 
 #include "core/simd_clones.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -75,7 +76,30 @@ VOLCAUSTIC_SIMD_CLONES void addGroupTo(const AreaMoments& g, Block* blocks, std:
   }
 }
 
+VOLCAUSTIC_SIMD_CLONES void placeAt(const Block* pattern, const Vec3d& by, Block* blocks, std::size_t count) {
+  for (std::size_t b = 0; b < count; ++b)
+    for (int l = 0; l < kLanes; ++l) {
+      blocks[b].x[l] = pattern[b].x[l] + by[0];
+      blocks[b].y[l] = pattern[b].y[l] + by[1];
+      blocks[b].z[l] = pattern[b].z[l] + by[2];
+      blocks[b].sum[l] = 0;
+    }
+}
+
 } // namespace
+
+void PointSums::place(const PointSums& pattern, const Vec3d& by) {
+  mBlocks.resize(pattern.mBlocks.size());
+  mSize = pattern.mSize;
+  placeAt(pattern.mBlocks.data(), by, mBlocks.data(), mBlocks.size());
+}
+
+void PointSums::addSumsTo(double* numbers) const {
+  for (int i = 0; i < mSize; i += kLanes) {
+    const Block& block = mBlocks[i / kLanes];
+    for (int l = 0; l < std::min(kLanes, mSize - i); ++l) numbers[i + l] += block.sum[l];
+  }
+}
 
 void PointSums::add(const Vec3d& p) {
   const int lane = mSize++ % kLanes;

@@ -21,11 +21,15 @@ public:
     mSize = 0;
   }
   void add(const Vec3d& p);
+  /// Becomes the points of a pattern, moved, with sums of 0.
+  void place(const PointSums& pattern, const Vec3d& by);
   void resetSums() {
     for (Block& b : mBlocks) b.sum.fill(0);
   }
   [[nodiscard]] int size() const { return mSize; }
   [[nodiscard]] double sum(int i) const { return mBlocks[i / kLanes].sum[i % kLanes]; }
+  /// Adds each sum to a number of its own.
+  void addSumsTo(double* numbers) const;
   std::vector<Block>& blocks() { return mBlocks; }
 
 private:

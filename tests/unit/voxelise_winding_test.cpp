@@ -61,6 +61,48 @@ TEST(VoxeliseWinding, TriangleSoupMatchesTheDefinition) {
   EXPECT_LE(wrongVoxels(soup), 6); // a few samples lie within 1e-3 of one half
 }
 
+/// Samples of a domain at 4 sub-voxels that are on the wrong side, of `count` at random; the definition is known to a
+/// thousandth.
+std::int64_t wrongSamples(const Mesh& mesh, const Domain& domain, int count) {
+  const auto c = dense(voxelise(mesh, domain, 4, FillRule::Winding), domain);
+  SubLattice lattice;
+  lattice.log2 = 2;
+  std::mt19937 random(9);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  std::int64_t wrong = 0;
+  for (int v = 0; v < count; ++v) {
+    const Vec3i at{below(domain.dims[0]), below(domain.dims[1]), below(domain.dims[2])};
+    const float coverage = c[(std::size_t(at[0]) * domain.dims[1] + at[1]) * domain.dims[2] + at[2]];
+    Vec3d p = lattice.sample(4 * at[0] + below(4), 4 * at[1] + below(4), 4 * at[2] + below(4));
+    for (double& x : p) x /= 4;
+    const double w = std::abs(windingNumber(mesh, p));
+    if (coverage == 0) wrong += w >= 0.5 + 1e-3;
+    if (coverage == 1) wrong += w < 0.5 - 1e-3;
+  }
+  return wrong;
+}
+
+TEST(VoxeliseWinding, TrianglesThroughTheWholeDomainMatchTheDefinition) {
+  // No brick is far from every side, few are on one side of all faces.
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> position(4, 60);
+  Mesh soup;
+  for (std::uint32_t t = 0; t < 40; ++t) {
+    for (int i = 0; i < 3; ++i) soup.positions.push_back({position(random), position(random), position(random)});
+    soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  EXPECT_LE(wrongSamples(soup, cubeDomain(64), 20000), 4);
+}
+
+TEST(VoxeliseWinding, FacesThatComeDozensOfTimesMatchTheDefinition) {
+  // Winding numbers change by several between neighbouring bricks, and jump by 17 at the faces.
+  Mesh many = translated(rotated(box({-17, -15, -13}, {16, 18, 14}), 0.3, 0.2), {32, 32, 32});
+  const auto faces = many.triangles;
+  for (int times = 1; times < 17; ++times)
+    many.triangles.insert(many.triangles.end(), faces.begin(), faces.begin() + 8);
+  EXPECT_LE(wrongSamples(many, cubeDomain(64), 20000), 4);
+}
+
 /// A height field over [margin, n - margin]^2 of voxels, its rim far from flat.
 Mesh openHeightField(int n, double margin, int cells) {
   Mesh field;
@@ -208,6 +250,20 @@ TEST(BoundaryChain, CapsCloseEveryMesh) {
   EXPECT_TRUE(boundaryChain(joined(pinched, asMesh)).empty());
 }
 
+TEST(BoundaryChain, OneFaceOfManyIsFound) {
+  Mesh ball = icosphere({0, 0, 0}, 1, 3); // 1280 faces
+  ASSERT_TRUE(boundaryChain(ball).empty());
+  for (const std::size_t face : {0, 255, 256, 777, 1279}) {
+    Mesh turned = ball, open = ball;
+    std::swap(turned.triangles[face][0], turned.triangles[face][1]);
+    EXPECT_EQ(boundaryChain(turned).size(), 6u) << face;
+    open.triangles.erase(open.triangles.begin() + static_cast<std::ptrdiff_t>(face));
+    EXPECT_EQ(boundaryChain(open).size(), 3u) << face;
+  }
+  ball.triangles.push_back({5, 5, 9}); // its edges cancel each other
+  EXPECT_TRUE(boundaryChain(ball).empty());
+}
+
 TEST(CapOffsets, OfSamplesIsTheRoundedSum) {
   const Mesh field = openHeightField(48, 2.7, 10);
   const LoopCaps caps = capLoops(field, boundaryChain(field));
@@ -260,6 +316,41 @@ TEST(CubeInterpolation, MeetsSmoothFunctionsAtTheSamples) {
       ASSERT_NEAR(samples[i] / potential(p), 1, 2e-3) << i;
     }
   }
+}
+
+TEST(CubeInterpolation, RangesHoldAtEverySample) {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const CubeInterpolation cube(16, 2);
+  std::vector<double> samples;
+  for (int i = 0; i < 40; ++i) {
+    CubeInterpolation::Values values;
+    const double slope = unit(random), noise = i % 4 == 0 ? 0.3 : 1e-3;
+    for (int v = 0; v < 125; ++v) values[v] = slope * cube.node(v % 5) + noise * unit(random);
+    const auto [middle, change] = CubeInterpolation::range(values);
+    cube.atSamples(values, samples);
+    const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
+    EXPECT_GE(*low, middle - change - 1e-12);
+    EXPECT_LE(*high, middle + change + 1e-12);
+    if (noise < 0.01) {
+      EXPECT_LT(change, 8 * std::abs(slope) + 0.2); // nearly linear: half its range and little more
+    }
+  }
+}
+
+TEST(CubeInterpolation, FarFunctionsNeedFewPoints) {
+  const CubeInterpolation cube(32, 2);
+  const Vec3d pole{16 + 10.2 * 16, 20, 9};
+  const auto potential = [&](const Vec3d& p) { return 1 / std::hypot(p[0] - pole[0], p[1] - pole[1], p[2] - pole[2]); };
+  PointSums sums = cube.farNodes();
+  for (int i = 0; i < sums.size(); ++i) {
+    auto& block = sums.blocks()[i / PointSums::kLanes];
+    const int lane = i % PointSums::kLanes;
+    block.sum[lane] = potential({block.x[lane], block.y[lane], block.z[lane]});
+  }
+  const auto values = CubeInterpolation::fromFarNodes(sums);
+  for (int i = 0; i < 125; ++i)
+    ASSERT_NEAR(values[i] / potential({cube.node(i / 25), cube.node(i / 5 % 5), cube.node(i % 5)}), 1, 1e-3) << i;
 }
 
 TEST(CapWinding, TheHierarchyAgreesWithTheSum) {
