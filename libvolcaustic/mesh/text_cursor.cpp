@@ -34,10 +34,11 @@ std::from_chars_result parseDouble(const char* p, const char* end, double& value
 
 } // namespace
 
-TextCursor::TextCursor(const MeshSource& source, std::size_t begin, std::uint64_t line)
+TextCursor::TextCursor(const MeshSource& source, std::size_t begin, std::size_t end, std::uint64_t line)
     : mSource(&source)
     , mAt(source.content.data() + begin)
-    , mEnd(source.content.data() + source.content.size())
+    , mEnd(source.content.data() + end)
+    , mLineFeed(nullptr)
     , mLine(line) {}
 
 bool TextCursor::endsToken(const char* p) const { return p == mEnd || isBlank(*p) || isLineEnd(*p); }
@@ -66,7 +67,13 @@ void TextCursor::skipBlanksAndLines() {
 }
 
 void TextCursor::nextLine() {
-  while (mAt != mEnd && !isLineEnd(*mAt)) ++mAt;
+  const auto find = [this](char c, const char* end) {
+    const void* found = std::memchr(mAt, c, static_cast<std::size_t>(end - mAt));
+    return found ? static_cast<const char*>(found) : end;
+  };
+  if (mAt == mEnd) return;
+  if (!mLineFeed || mLineFeed < mAt) mLineFeed = find('\n', mEnd);
+  mAt = find('\r', mLineFeed);
   if (mAt == mEnd) return;
   mAt += newlineLength(mAt, mEnd);
   ++mLine;

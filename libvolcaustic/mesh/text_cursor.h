@@ -10,8 +10,11 @@ namespace volcaustic {
 
 class TextCursor {
 public:
-  /// Starts at byte `begin` of the source, which is on line `line`.
-  TextCursor(const MeshSource& source, std::size_t begin, std::uint64_t line = 1);
+  /// Starts at byte `begin` of the source, which is on line `line`, and ends before byte `end`, which starts a line.
+  TextCursor(const MeshSource& source, std::size_t begin, std::size_t end, std::uint64_t line);
+  /// All that follows `begin`.
+  TextCursor(const MeshSource& source, std::size_t begin, std::uint64_t line = 1)
+      : TextCursor(source, begin, source.content.size(), line) {}
 
   [[nodiscard]] std::uint64_t line() const { return mLine; }
   [[nodiscard]] std::size_t offset() const { return static_cast<std::size_t>(mAt - mSource->content.data()); }
@@ -47,6 +50,7 @@ private:
   const MeshSource* mSource;
   const char* mAt;
   const char* mEnd;
+  const char* mLineFeed; ///< the first '\n' at or after a place that has been passed: each is searched for once
   std::uint64_t mLine;
 };
 

@@ -2,10 +2,13 @@
 
 #include "core/parallel.h"
 #include "volcaustic/error.h"
+#include "volume/lattice.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <openvdb/tools/VolumeToMesh.h>
+#include <span>
 
 namespace volcaustic {
 
@@ -14,21 +17,11 @@ namespace {
 using openvdb::tools::PolygonPool;
 using openvdb::tools::VolumeToMesh;
 
-/// Whether index space is mirrored where the grid's voxels are.
-bool mirrors(const openvdb::FloatGrid& grid) {
-  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  const openvdb::Vec3d at = box.empty() ? openvdb::Vec3d(0) : box.getCenter();
-  const openvdb::Vec3d o = grid.indexToWorld(at), x = grid.indexToWorld(at + openvdb::Vec3d(1, 0, 0)) - o,
-                       y = grid.indexToWorld(at + openvdb::Vec3d(0, 1, 0)) - o,
-                       z = grid.indexToWorld(at + openvdb::Vec3d(0, 0, 1)) - o;
-  return x.cross(y).dot(z) < 0;
-}
-
 /// OpenVDB winds its polygons clockwise seen from where values are lower, of a level set from where they are higher.
 bool flipsPolygons(const openvdb::FloatGrid& grid, double isovalue) {
   const bool levelSet = grid.getGridClass() == openvdb::GRID_LEVEL_SET;
   const bool highOutside = levelSet ? grid.background() >= isovalue : grid.background() > isovalue;
-  return mirrors(grid) != (highOutside != levelSet);
+  return isMirrored(grid) != (highOutside != levelSet);
 }
 
 using Tree = openvdb::FloatTree;
@@ -93,6 +86,77 @@ openvdb::FloatGrid::ConstPtr withVisibleFaces(const openvdb::FloatGrid& grid, do
   const openvdb::FloatGrid::Ptr result = grid.deepCopy();
   for (auto value = result->beginValueOff(); value; ++value)
     if ((*value < isovalue) != (grid.background() < isovalue)) value.setActiveState(true);
+  return result;
+}
+
+struct MovedValue {
+  openvdb::Index offset;
+  float value;
+};
+
+float reachOf(const Tree::LeafNodeType& leaf, float isovalue) {
+  const float* values = leaf.buffer().data();
+  float reach = 0;
+  for (openvdb::Index v = 0; v < leaf.SIZE; ++v) reach = std::max(reach, std::abs(values[v] - isovalue));
+  return reach;
+}
+
+/// Greatest distance of a value from the isovalue.
+float reachOf(const openvdb::FloatGrid& grid, std::span<const Tree::LeafNodeType* const> leaves, float isovalue,
+              const RunContext& ctx) {
+  std::vector<float> reach(threadCount(ctx), 0.0f);
+  parallelFor(static_cast<std::int64_t>(leaves.size()), 256, ctx, [&](std::int64_t begin, std::int64_t end, int slot) {
+    for (std::int64_t i = begin; i < end; ++i) reach[slot] = std::max(reach[slot], reachOf(*leaves[i], isovalue));
+  });
+  float greatest = *std::max_element(reach.begin(), reach.end());
+  auto tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(Tree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) greatest = std::max(greatest, std::abs(*tile - isovalue));
+  return std::max(greatest, std::abs(grid.background() - isovalue));
+}
+
+/// The values of a leaf that are too near to the isovalue (clearOf).
+std::vector<MovedValue> movedValues(const Tree::LeafNodeType& leaf, const openvdb::FloatGrid::ConstAccessor& tree,
+                                    float isovalue, float reach) {
+  std::vector<MovedValue> moved;
+  const float* values = leaf.buffer().data();
+  for (openvdb::Index v = 0; v < leaf.SIZE; ++v) {
+    if (clearOf(isovalue, values[v], 2 * reach) == values[v]) continue;
+    float difference = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {-1, 1}) {
+        openvdb::Coord neighbour = leaf.offsetToGlobalCoord(v);
+        neighbour[axis] += side;
+        const float other = tree.getValue(neighbour);
+        if ((other < isovalue) != (values[v] < isovalue))
+          difference = std::max(difference, std::abs(other - values[v]));
+      }
+    const float value = clearOf(isovalue, values[v], difference);
+    if (value != values[v] && std::isfinite(value)) moved.push_back({v, value});
+  }
+  return moved;
+}
+
+/// The grid without values so near to the isovalue that triangles would have no area.
+openvdb::FloatGrid::ConstPtr withClearValues(const openvdb::FloatGrid::ConstPtr& grid, float isovalue,
+                                             const RunContext& ctx) {
+  std::vector<const Tree::LeafNodeType*> leaves;
+  grid->tree().getNodes(leaves);
+  const auto count = static_cast<std::int64_t>(leaves.size());
+  const float reach = reachOf(*grid, leaves, isovalue, ctx);
+  std::vector<std::vector<MovedValue>> moved(leaves.size());
+  std::atomic<bool> any{false};
+  parallelFor(count, 64, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    const openvdb::FloatGrid::ConstAccessor tree = grid->getConstAccessor();
+    for (std::int64_t i = begin; i < end; ++i)
+      if (moved[i] = movedValues(*leaves[i], tree, isovalue, reach); !moved[i].empty()) any = true;
+  });
+  if (!any) return grid;
+  const openvdb::FloatGrid::Ptr result = grid->deepCopy();
+  std::vector<Tree::LeafNodeType*> targets;
+  result->tree().getNodes(targets);
+  for (std::int64_t i = 0; i < count; ++i)
+    for (const MovedValue& voxel : moved[i]) targets[i]->setValueOnly(voxel.offset, voxel.value);
   return result;
 }
 
@@ -180,7 +244,7 @@ Mesh isoSurface(const openvdb::FloatGrid& grid, double isovalue, double adaptivi
                 const RunContext& ctx) {
   requireSurfaceMemory(grid, isovalue, place, ctx);
   // Meshed in index space: single precision in world space would lose small grids far from the origin.
-  const auto indexGrid = withVisibleFaces(grid, isovalue, ctx)
+  const auto indexGrid = withClearValues(withVisibleFaces(grid, isovalue, ctx), static_cast<float>(isovalue), ctx)
                              ->copyReplacingTransform(openvdb::math::Transform::createLinearTransform(1.0));
   VolumeToMesh mesher(isovalue, adaptivity);
   withThreads(ctx, [&] { mesher(*indexGrid); });

@@ -16,6 +16,15 @@ openvdb::Vec3d offsetOf(const openvdb::GridBase& grid, const Domain& domain) {
 
 } // namespace
 
+bool isMirrored(const openvdb::GridBase& grid) {
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  const openvdb::Vec3d at = box.empty() ? openvdb::Vec3d(0) : box.getCenter();
+  const openvdb::Vec3d o = grid.indexToWorld(at), x = grid.indexToWorld(at + openvdb::Vec3d(1, 0, 0)) - o,
+                       y = grid.indexToWorld(at + openvdb::Vec3d(0, 1, 0)) - o,
+                       z = grid.indexToWorld(at + openvdb::Vec3d(0, 0, 1)) - o;
+  return x.cross(y).dot(z) < 0;
+}
+
 bool isUpright(const openvdb::math::Transform& transform) {
   const openvdb::Vec3d h = transform.voxelSize(), origin = transform.indexToWorld(openvdb::Vec3d(0));
   bool upright = transform.isLinear() && h.isFinite() && origin.isFinite() && h[0] > 0;

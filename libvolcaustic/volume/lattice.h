@@ -13,6 +13,8 @@ inline constexpr double kSmallestVoxel = 1.45e-5;
 
 /// Whether the voxels are cubes along the world's axes, mirrored by none of them.
 bool isUpright(const openvdb::math::Transform& transform);
+/// Whether a grid's index space is a mirror image of the world where its voxels are.
+bool isMirrored(const openvdb::GridBase& grid);
 
 /// Whether the grid's voxels are voxels of the domain's lattice, inside its box or not.
 bool liesOnLattice(const openvdb::GridBase& grid, const Domain& domain);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <ostream>
+#include <sstream>
 #include <vector>
 
 // Parallel loops that pass exceptions on, and the codecs of foreign files.
@@ -27,6 +28,7 @@ namespace nanotools = nanovdb::tools;
 #include <nanovdb/util/NanoToOpenVDB.h>
 namespace nanotools = nanovdb;
 #else
+#include <nanovdb/util/GridChecksum.h>
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/NanoToOpenVDB.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
@@ -57,6 +59,17 @@ struct GridRecord {
   std::uint32_t version;
 };
 static_assert(sizeof(SegmentHeader) == 16 && sizeof(GridRecord) == 176);
+
+/// What follows a grid's tree for each of its blind data.
+struct BlindRecord {
+  std::int64_t dataOffset; // from the record itself
+  std::uint64_t count;
+  std::uint32_t valueSize, semantic, dataClass, type; // zero but for the size: unknown
+  char name[256];
+};
+static_assert(sizeof(BlindRecord) == sizeof(nanovdb::GridBlindMetaData));
+constexpr const char* kGridMetadata = "openvdb_grid_metadata"; // a MetaMap as a .vdb has it
+constexpr const char* kFileMetadata = "openvdb_file_metadata";
 
 class ClaimChecker {
 public:
@@ -150,6 +163,29 @@ bool nodesInside(const nanovdb::NanoGrid<Value>& grid, const Handle& handle) {
   return true;
 }
 
+/// The metadata that are blind data of this name; empty where there are none.
+openvdb::MetaMap metadataOf(const Handle& handle, const std::string& name, const std::string& place) {
+  openvdb::MetaMap map;
+  const auto& grid = *reinterpret_cast<const nanovdb::GridData*>(handle.data());
+  const auto inside = [&](std::int64_t begin, std::uint64_t bytes) {
+    return begin >= 0 && static_cast<std::uint64_t>(begin) <= handle.size() && bytes <= handle.size() - begin;
+  };
+  for (std::uint32_t i = 0; i < grid.mBlindMetadataCount; ++i) {
+    const auto at = static_cast<std::int64_t>(static_cast<std::uint64_t>(grid.mBlindMetadataOffset) +
+                                              std::uint64_t{i} * sizeof(BlindRecord));
+    if (!inside(at, sizeof(BlindRecord))) throw Error(ErrorKind::Input, place + " is damaged: its blind data are cut");
+    BlindRecord record;
+    std::memcpy(&record, handle.data() + at, sizeof record);
+    if (name != std::string(record.name, strnlen(record.name, sizeof record.name))) continue;
+    const auto data =
+        static_cast<std::int64_t>(static_cast<std::uint64_t>(at) + static_cast<std::uint64_t>(record.dataOffset));
+    if (!inside(data, record.count)) throw Error(ErrorKind::Input, place + " is damaged: its metadata are cut");
+    std::istringstream in(std::string(reinterpret_cast<const char*>(handle.data()) + data, record.count));
+    map.readMeta(in);
+  }
+  return map;
+}
+
 /// From index space to the world. Set anew, because the converter of OpenVDB 10 transposes it: rotations turn the other
 /// way. NanoVDB multiplies columns by rows of the matrix, OpenVDB rows by its columns.
 openvdb::math::Transform::Ptr transformOf(const nanovdb::Map& map) {
@@ -183,6 +219,7 @@ openvdb::GridBase::Ptr convertAny(const Handle& handle, const std::string& path)
   if (!(convertIf<Value>(handle, place, result) || ...))
     throw Error(ErrorKind::Input,
                 place + " is of a type that has no OpenVDB counterpart here; leave it out of the file");
+  result->insertMeta(metadataOf(handle, kGridMetadata, place));
   return result;
 }
 
@@ -193,46 +230,119 @@ openvdb::GridBase::Ptr toOpenVdb(const Handle& handle, const std::string& path) 
                     nanovdb::Fp8, nanovdb::Fp16, nanovdb::FpN>(handle, path);
 }
 
+std::size_t aligned(std::size_t bytes) { return (bytes + NANOVDB_DATA_ALIGNMENT - 1) & ~(NANOVDB_DATA_ALIGNMENT - 1); }
+
+struct BlindData {
+  const char* name;
+  std::string bytes;
+};
+
+std::string bytesOf(const openvdb::MetaMap& metadata) {
+  std::ostringstream out;
+  metadata.writeMeta(out);
+  return std::move(out).str();
+}
+
+/// The grid with blind data behind it. \pre it has none
+Handle withBlindData(const Handle& grid, const std::vector<BlindData>& blind) {
+  const std::size_t records = aligned(grid.size());
+  std::size_t at = records + aligned(blind.size() * sizeof(BlindRecord));
+  std::vector<std::size_t> places;
+  for (const BlindData& data : blind) {
+    places.push_back(at);
+    at += aligned(data.bytes.size());
+  }
+  auto buffer = nanovdb::HostBuffer::create(at);
+  auto* out = reinterpret_cast<char*>(buffer.data());
+  std::memcpy(out, grid.data(), grid.size());
+  std::memset(out + grid.size(), 0, at - grid.size());
+  for (std::size_t i = 0; i < blind.size(); ++i) {
+    const std::size_t place = records + i * sizeof(BlindRecord);
+    BlindRecord record{static_cast<std::int64_t>(places[i] - place), blind[i].bytes.size(), 1, 0, 0, 0, {}};
+    std::strncpy(record.name, blind[i].name, sizeof record.name - 1);
+    std::memcpy(out + place, &record, sizeof record);
+    std::memcpy(out + places[i], blind[i].bytes.data(), blind[i].bytes.size());
+  }
+  auto& data = *reinterpret_cast<nanovdb::GridData*>(out);
+  data.mGridSize = at;
+  data.mBlindMetadataOffset = static_cast<std::int64_t>(records);
+  data.mBlindMetadataCount = static_cast<std::uint32_t>(blind.size());
+  return Handle(std::move(buffer));
+}
+
+/// `Build` says how NanoVDB stores a value: as what it is, or quantised.
+template <class GridType, class Build>
+Handle encode(const openvdb::GridBase& grid, const std::vector<BlindData>& blind) {
+  const auto bare = nanotools::openToNanoVDB<nanovdb::HostBuffer, typename GridType::TreeType, Build>(
+      static_cast<const GridType&>(grid));
+  Handle result = withBlindData(bare, blind);
+  nanovdb::updateChecksum(*result.grid<Build>());
+  return result;
+}
+
 template <class GridType>
-bool encodeIf(const openvdb::GridBase& grid, Handle& result) {
+bool encodeIf(const openvdb::GridBase& grid, const std::vector<BlindData>& blind, bool half, Handle& result) {
+  using Build = typename nanovdb::OpenToNanoType<typename GridType::TreeType::BuildType>::Type;
   if (!grid.isType<GridType>()) return false;
-  result =
-      nanotools::openToNanoVDB<nanovdb::HostBuffer, typename GridType::TreeType>(static_cast<const GridType&>(grid));
+  if (std::is_same_v<GridType, openvdb::FloatGrid> && half)
+    result = encode<openvdb::FloatGrid, nanovdb::Fp16>(grid, blind);
+  else
+    result = encode<GridType, Build>(grid, blind);
   return true;
 }
 
 /// The value types that NanoVDB's converter takes in OpenVDB 10: of vectors of doubles it says so only when it runs.
 template <class... GridType>
-Handle encodeAny(const openvdb::GridBase& grid, const std::string& place) {
+Handle encodeAny(const openvdb::GridBase& grid, const std::vector<BlindData>& blind, bool half,
+                 const std::string& place) {
   Handle result;
-  if (!(encodeIf<GridType>(grid, result) || ...))
+  if (!(encodeIf<GridType>(grid, blind, half, result) || ...))
     throw Error(ErrorKind::Input, place + ": grid '" + grid.getName() + "' of type " + grid.type() +
                                       " cannot be stored as NanoVDB; leave it out or write a .vdb");
   return result;
 }
 
+/// The grid's own, without what a .vdb has beside them about itself, and the file's if there are any.
+std::vector<BlindData> blindData(const openvdb::GridBase& grid, const openvdb::MetaMap* file) {
+  openvdb::MetaMap own = grid;
+  for (const char* key : {openvdb::GridBase::META_FILE_BBOX_MIN, openvdb::GridBase::META_FILE_BBOX_MAX,
+                          openvdb::GridBase::META_FILE_COMPRESSION, openvdb::GridBase::META_FILE_MEM_BYTES,
+                          openvdb::GridBase::META_FILE_VOXEL_COUNT, openvdb::GridBase::META_FILE_DELAYED_LOAD,
+                          openvdb::GridBase::META_SAVE_HALF_FLOAT})
+    own.removeMeta(key);
+  std::vector<BlindData> blind{{kGridMetadata, bytesOf(own)}};
+  if (file) blind.push_back({kFileMetadata, bytesOf(*file)});
+  return blind;
+}
+
 } // namespace
 
-openvdb::GridPtrVec readNanoVdb(const std::string& path) {
+openvdb::GridPtrVec readNanoVdb(const std::string& path, openvdb::MetaMap& metadata) {
   ClaimChecker(path).check();
   RunContext serial;
   serial.threads = 1;
   openvdb::GridPtrVec grids;
   withThreads(serial, [&] {
-    for (const Handle& handle : nanovdb::io::readGrids(path)) grids.push_back(toOpenVdb(handle, path));
+    for (const Handle& handle : nanovdb::io::readGrids(path)) {
+      grids.push_back(toOpenVdb(handle, path));
+      metadata.insertMeta(metadataOf(handle, kFileMetadata, path + ": grid '" + gridName(handle) + "'"));
+    }
   });
   return grids;
 }
 
-void writeNanoVdb(std::ostream& out, const openvdb::GridPtrVec& grids, const std::string& place,
-                  const RunContext& ctx) {
+void writeNanoVdb(std::ostream& out, const openvdb::GridPtrVec& grids, const openvdb::MetaMap& metadata, bool half,
+                  const std::string& place, const RunContext& ctx) {
   using namespace openvdb;
   withThreads(ctx, [&] {
     for (const auto& grid : grids) {
       ctx.throwIfCancelled();
-      nanovdb::io::writeGrid(out,
-                             encodeAny<FloatGrid, DoubleGrid, Int32Grid, Int64Grid, BoolGrid, Vec3SGrid>(*grid, place),
-                             nanovdb::io::Codec::BLOSC);
+      if (half && grid->isType<Vec3SGrid>())
+        ctx.warn(place + ": grid '" + grid->getName() + "' keeps 32-bit floats: NanoVDB has no smaller vectors");
+      const auto blind = blindData(*grid, grid == grids.front() ? &metadata : nullptr);
+      nanovdb::io::writeGrid(
+          out, encodeAny<FloatGrid, DoubleGrid, Int32Grid, Int64Grid, BoolGrid, Vec3SGrid>(*grid, blind, half, place),
+          nanovdb::io::Codec::BLOSC);
     }
   });
 }

@@ -1,6 +1,8 @@
 #include "volume/sharpen_coverage.h"
 
 #include "core/parallel.h"
+#include "core/simd_clones.h"
+#include "volume/iso_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -34,72 +36,107 @@ double cubeBeneath(const std::array<double, 3>& normal, double d) {
 /// The same plane seen by a block of 3^3 cubes, which it leaves `mean` of beneath it, and by the cube at its centre.
 double centreBeneath(const std::array<double, 3>& normal, double mean) {
   double low = 0, high = 1;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const double middle = .5 * (low + high);
     (cubeBeneath(normal, middle) < mean ? low : high) = middle;
   }
   return cubeBeneath(normal, std::clamp(.5 + 3 * (high - .5), 0.0, 1.0));
 }
 
-/// A leaf's voxels and those around it.
+[[gnu::always_inline]] inline void sum3(const float* in, int step, int count, float* out) {
+  for (int i = 0; i < count; ++i) out[i] = in[i] + in[i + step] + in[i + 2 * step];
+}
+[[gnu::always_inline]] inline void difference3(const float* in, int step, int count, float* out) {
+  for (int i = 0; i < count; ++i) out[i] = in[i + 2 * step] - in[i];
+}
+[[gnu::always_inline]] inline void greatest3(const float* in, int step, int count, float* out) {
+  for (int i = 0; i < count; ++i) out[i] = std::max(std::max(in[i], in[i + step]), in[i + 2 * step]);
+}
+
+/// What the 3^3 voxels around each voxel of a leaf sum up to, taken along one axis after the other.
 class LeafBlock {
 public:
-  static constexpr int kEdge = 10;
-
   template <class Leaf, class Accessor>
   void gather(const Leaf& leaf, const Accessor& tree) {
-    const auto first = [](int side) { return side < 0 ? 0 : side == 0 ? 1 : kEdge - 1; };
-    for (int x = -1; x <= 1; ++x)
-      for (int y = -1; y <= 1; ++y)
-        for (int z = -1; z <= 1; ++z) {
-          const openvdb::Coord origin = leaf.origin() + openvdb::Coord(8 * x, 8 * y, 8 * z);
-          const auto* source = x || y || z ? tree.probeConstLeaf(origin) : &leaf;
-          const float constant = source ? 0 : tree.getValue(origin);
-          for (int i = first(x); i <= (x ? first(x) : 8); ++i)
-            for (int j = first(y); j <= (y ? first(y) : 8); ++j)
-              for (int k = first(z); k <= (z ? first(z) : 8); ++k)
-                mValues[(i * kEdge + j) * kEdge + k] =
-                    source ? source->getValue((((i - 1) & 7) << 6) + (((j - 1) & 7) << 3) + ((k - 1) & 7)) : constant;
-        }
+    std::array<std::array<float, 8>, 27> constants;
+    std::array<Source, 27> sources;
+    for (int i = 0; i < 27; ++i) {
+      const openvdb::Coord origin = leaf.origin().offsetBy(8 * (i / 9 - 1), 8 * (i / 3 % 3 - 1), 8 * (i % 3 - 1));
+      const auto* source = i == 13 ? &leaf : tree.probeConstLeaf(origin);
+      if (!source) constants[i].fill(tree.getValue(origin));
+      sources[i] = source ? Source{source->buffer().data(), 8} : Source{constants[i].data(), 0};
+    }
+    float* out = mValues.data();
+    for (int x = -1; x < 9; ++x)
+      for (int y = -1; y < 9; ++y, out += kEdge) {
+        const Source* source = &sources[((x + 8) >> 3) * 9 + ((y + 8) >> 3) * 3];
+        const int row = (x & 7) * 8 + (y & 7);
+        out[0] = source[0].row(row)[7];
+        std::copy_n(source[1].row(row), 8, out + 1);
+        out[9] = source[2].row(row)[0];
+      }
+    sumUp();
   }
 
   /// The value that replaces that of the leaf's voxel.
   [[nodiscard]] float sharpened(const PlaneCoverage& plane, int offset) const {
-    const int x = offset >> 6, y = offset >> 3 & 7, z = offset & 7; // the corner of its 3^3 neighbours
+    const int x = offset >> 6, y = offset >> 3 & 7, z = offset & 7;
     const float own = mValues[((x + 1) * kEdge + y + 1) * kEdge + z + 1];
-    float sum = 0, greatest = 0;
-    std::array<float, 3> slope{};
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) {
-          const float value = mValues[((x + i) * kEdge + y + j) * kEdge + z + k];
-          sum += value;
-          greatest = std::max(greatest, value);
-          slope[0] += static_cast<float>(i - 1) * value;
-          slope[1] += static_cast<float>(j - 1) * value;
-          slope[2] += static_cast<float>(k - 1) * value;
-        }
-    const float unexplained = own - plane.centre(sum / 27, slope);
+    const float unexplained =
+        own - plane.centre(mSum[offset] / 27, {mSlopeX[offset], mSlopeY[offset], mSlopeZ[offset]});
     float value = own + kGain * (unexplained - std::clamp(unexplained, -kTolerance, kTolerance));
-    if (greatest < kLonely) value = std::max(value, own * (kLonely / greatest));
-    return std::clamp(value, 0.0f, 1.0f);
+    if (const float greatest = mGreatest[offset]; greatest < kLonely)
+      value = std::max(value, own * (kLonely / greatest));
+    return clearOf(.5f, std::clamp(value, 0.0f, 1.0f), 1);
   }
 
 private:
+  static constexpr int kEdge = 10, kVoxels = 512;
+  /// Where a neighbour's rows lie: its voxels, or one row of its constant for all.
+  struct Source {
+    const float* rows;
+    int stride;
+    [[nodiscard]] const float* row(int i) const { return rows + stride * i; }
+  };
+
+  VOLCAUSTIC_SIMD_CLONES void sumUp() {
+    constexpr int kRows = kEdge * kEdge, kPlane = 64;
+    std::array<float, kRows * 8> sumZ, slopeZ, greatestZ;
+    for (int row = 0; row < kRows; ++row) {
+      sum3(&mValues[row * kEdge], 1, 8, &sumZ[row * 8]);
+      difference3(&mValues[row * kEdge], 1, 8, &slopeZ[row * 8]);
+      greatest3(&mValues[row * kEdge], 1, 8, &greatestZ[row * 8]);
+    }
+    std::array<float, kEdge * kPlane> sumYz, slopeY, slopeZy, greatestYz;
+    for (int x = 0; x < kEdge; ++x) {
+      sum3(&sumZ[x * kEdge * 8], 8, kPlane, &sumYz[x * kPlane]);
+      difference3(&sumZ[x * kEdge * 8], 8, kPlane, &slopeY[x * kPlane]);
+      sum3(&slopeZ[x * kEdge * 8], 8, kPlane, &slopeZy[x * kPlane]);
+      greatest3(&greatestZ[x * kEdge * 8], 8, kPlane, &greatestYz[x * kPlane]);
+    }
+    sum3(sumYz.data(), kPlane, kVoxels, mSum.data());
+    difference3(sumYz.data(), kPlane, kVoxels, mSlopeX.data());
+    sum3(slopeY.data(), kPlane, kVoxels, mSlopeY.data());
+    sum3(slopeZy.data(), kPlane, kVoxels, mSlopeZ.data());
+    greatest3(greatestYz.data(), kPlane, kVoxels, mGreatest.data());
+  }
+
   std::array<float, kEdge * kEdge * kEdge> mValues;
+  std::array<float, kVoxels> mSum, mSlopeX, mSlopeY, mSlopeZ, mGreatest;
 };
 
 } // namespace
 
 PlaneCoverage::PlaneCoverage() {
   for (int s = 0; s < kRatios; ++s)
-    for (int m = 0; m < kRatios; ++m)
+    for (int m = s; m < kRatios; ++m)
       for (int i = 0; i < kMeans; ++i) {
         // A component of zero would divide by zero, and one of a fiftieth gives the same to a hundredth.
         std::array<double, 3> normal{std::max(s / (kRatios - 1.0), .02), std::max(m / (kRatios - 1.0), .02), 1};
         const double length = normal[0] + normal[1] + normal[2];
         for (double& component : normal) component /= length;
         mCentre[s][m][i] = static_cast<float>(centreBeneath(normal, .5 * i / (kMeans - 1)));
+        mCentre[m][s][i] = mCentre[s][m][i];
       }
 }
 

@@ -2,13 +2,12 @@
 
 #include "core/atomic_file.h"
 #include "core/guarded_process.h"
-#include "core/hash.h"
-#include "core/parallel.h"
+#include "core/hashed_file.h"
 #include "volume/nanovdb.h"
+#include "volume/vdb_archive.h"
 #include "volume/vdb_guard.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -20,61 +19,6 @@
 namespace volcaustic {
 
 namespace {
-
-/// OpenVDB's own file writer does not look at the state of its stream; this one writes the same bytes to any seekable
-/// stream.
-class SeekableArchive : public openvdb::io::Archive {
-public:
-  void writeTo(std::ostream& out, const openvdb::GridPtrVec& grids, const openvdb::MetaMap& metadata) const {
-    write(out, grids, /*seekable=*/true, metadata);
-  }
-};
-
-/// OpenVDB puts a random UUID into every file. Here it becomes a hash of all other bytes, so that the same grids give
-/// the same file, and different ones (nearly) always different UUIDs, which is what readers use it for.
-void stampUuid(std::iostream& file) {
-  constexpr std::streamoff kUuidOffset = 8 + 4 + 2 * 4 + 1; // magic, file version, library version, has-offsets flag
-  constexpr std::size_t kUuidSize = 36;
-  std::string uuid(kUuidSize, '0');
-  file.seekg(kUuidOffset);
-  file.read(uuid.data(), kUuidSize);
-  assert(uuid[8] == '-' && uuid[13] == '-' && uuid[18] == '-' && uuid[23] == '-');
-
-  Hash hash;
-  std::vector<char> block(1 << 20);
-  const auto hashFrom = [&](std::streamoff begin, std::streamoff end) {
-    for (file.seekg(begin); begin < end;) {
-      const auto size = std::min<std::streamoff>(end - begin, static_cast<std::streamoff>(block.size()));
-      file.read(block.data(), size);
-      hash.bytes(block.data(), static_cast<std::size_t>(size));
-      begin += size;
-    }
-  };
-  file.seekg(0, std::ios::end);
-  const std::streamoff end = file.tellg();
-  hashFrom(0, kUuidOffset);
-  hashFrom(kUuidOffset + static_cast<std::streamoff>(kUuidSize), end);
-
-  const std::string a = hash.hex(), b = hash.text("second half").hex();
-  uuid = a.substr(0, 8) + '-' + a.substr(8, 4) + "-8" + a.substr(13, 3) + "-8" + b.substr(1, 3) + '-' + b.substr(4, 12);
-  file.seekp(kUuidOffset);
-  file.write(uuid.data(), kUuidSize);
-}
-
-void writeOpenVdb(const std::filesystem::path& path, const openvdb::GridPtrVec& grids,
-                  const openvdb::MetaMap& metadata) {
-  using openvdb::io::Archive;
-  SeekableArchive archive;
-  archive.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
-                         (Archive::hasBloscCompression()  ? openvdb::io::COMPRESS_BLOSC
-                          : Archive::hasZLibCompression() ? openvdb::io::COMPRESS_ZIP
-                                                          : openvdb::io::COMPRESS_NONE));
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc);
-  file.exceptions(std::ios::failbit | std::ios::badbit);
-  archive.writeTo(file, grids, metadata);
-  stampUuid(file);
-  file.close();
-}
 
 void copyToStandardOutput(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -165,9 +109,6 @@ void writeVdbFile(const std::filesystem::path& path, const openvdb::GridPtrVec& 
   const bool nano = path.extension() == ".nvdb";
   if (!toStandardOutput && !nano && path.extension() != ".vdb")
     throw Error(ErrorKind::Usage, path.string() + ": is neither .vdb nor .nvdb; name the file by one of them");
-  if (nano && options.half)
-    throw Error(ErrorKind::Usage,
-                path.string() + ": NanoVDB has no 16-bit floats of this kind; drop half or write a .vdb");
   addCommonMetadata(metadata, options);
   const openvdb::GridPtrVec finished = prepared(grids, options);
 
@@ -176,10 +117,11 @@ void writeVdbFile(const std::filesystem::path& path, const openvdb::GridPtrVec& 
     if (nano) {
       std::ofstream out(file.path(), std::ios::binary);
       out.exceptions(std::ios::failbit | std::ios::badbit);
-      writeNanoVdb(out, finished, path.string(), ctx);
+      writeNanoVdb(out, finished, metadata, options.half, path.string(), ctx);
       out.close();
     } else {
-      withThreads(ctx, [&] { writeOpenVdb(file.path(), finished, metadata); });
+      HashedFile out(file.path());
+      writeArchive(out, finished, metadata, ctx);
     }
   } catch (const std::ios::failure&) {
     throw Error(ErrorKind::File,

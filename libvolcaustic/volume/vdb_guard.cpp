@@ -34,8 +34,8 @@ openvdb::GridPtrVec parseOpenVdb(const std::string& path, const GridSelection& s
   return grids;
 }
 
-openvdb::GridPtrVec parseNanoVdb(const std::string& path, const GridSelection& selection) {
-  const openvdb::GridPtrVec all = readNanoVdb(path);
+openvdb::GridPtrVec parseNanoVdb(const std::string& path, const GridSelection& selection, openvdb::MetaMap& metadata) {
+  const openvdb::GridPtrVec all = readNanoVdb(path, metadata);
   std::vector<GridName> names;
   for (const auto& grid : all) names.push_back({grid->getName(), grid->type()});
   openvdb::GridPtrVec grids;
@@ -58,7 +58,7 @@ VdbFormat vdbFormat(const std::string& path) {
 void normaliseVdb(const std::string& path, VdbFormat format, const GridSelection& selection, std::ostream& out) {
   openvdb::MetaMap metadata;
   const openvdb::GridPtrVec grids =
-      format == VdbFormat::NanoVdb ? parseNanoVdb(path, selection) : parseOpenVdb(path, selection, metadata);
+      format == VdbFormat::NanoVdb ? parseNanoVdb(path, selection, metadata) : parseOpenVdb(path, selection, metadata);
   openvdb::io::Stream stream(out);
   stream.setCompression(openvdb::io::COMPRESS_NONE);
   stream.setGridStatsMetadataEnabled(false); // keeps what the file says, and computing it would use threads

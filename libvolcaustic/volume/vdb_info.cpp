@@ -1,3 +1,4 @@
+#include "volume/lattice.h"
 #include "volume/vdb_file.h"
 
 #include <algorithm>
@@ -59,6 +60,7 @@ GridInfo describe(const openvdb::GridBase& grid) {
   info.activeTiles = grid.baseTree().activeTileCount();
   info.memoryBytes = grid.memUsage();
   info.metadata = asText(grid);
+  info.mirrored = isMirrored(grid);
   const openvdb::Vec3d h = grid.voxelSize();
   info.voxelSize = {h[0], h[1], h[2]};
   if (const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox(); !box.empty()) {

@@ -46,6 +46,30 @@ TEST(MeshReadObj, FacesMayComeBeforeTheirVertices) {
   expectClosed(readText("a.obj", kCubeObj.substr(faces) + kCubeObj.substr(0, faces)), 12, 1);
 }
 
+// Large files are read in pieces at once: numbers, names and line numbers go on across their borders.
+TEST(MeshReadObj, PiecesOfALargeFileFit) {
+  constexpr std::uint32_t kFaces = 30'000;
+  for (const std::string newline : {"\n", "\r\n", " \\\n 0.125\n"}) {
+    std::string text;
+    for (std::uint32_t i = 0; i < kFaces; ++i) {
+      if (i % 5'000 == 0) text += "usemtl m" + std::to_string(i % 10'000) + "\n";
+      for (int v = 0; v < 3; ++v) text += "v " + std::to_string(i) + " " + std::to_string(v) + " 0.5" + newline;
+      text += i % 2 ? "f -3 -2 -1\n" : "f " + std::to_string(3 * i + 1) + " -2 -1\n";
+    }
+    const Mesh mesh = readText("a.obj", text);
+    ASSERT_EQ(mesh.triangles.size(), kFaces);
+    EXPECT_EQ(mesh.groupNames, (std::vector<std::string>{"m0", "m5000"}));
+    for (std::uint32_t i = 0; i < kFaces; ++i) {
+      ASSERT_EQ(mesh.triangles[i], (std::array{3 * i, 3 * i + 1, 3 * i + 2}));
+      ASSERT_EQ(mesh.positions[3 * i + 1], (Vec3d{double(i), 1, .5}));
+      ASSERT_EQ(mesh.triangleGroup[i], i / 5'000 % 2);
+    }
+    const auto line = std::to_string(std::count(text.begin(), text.end(), '\n') + 1);
+    for (const std::string end : {"v 1 2 x\n", "f 1 2\n"})
+      EXPECT_TRUE(complaintAbout("a.obj", text + end + "f 1 2 3\n" + text).starts_with("a.obj:" + line + ": ")) << end;
+  }
+}
+
 TEST(MeshReadObj, MaterialsBecomeGroups) {
   const Mesh mesh = readText("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nusemtl red glass \nf 1 2 3 4\n"
                                       "usemtl blue\nf 1 2 3\nusemtl red glass\nf 1 2 3\n");

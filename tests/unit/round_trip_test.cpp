@@ -133,6 +133,7 @@ TEST_P(RoundTrip, StaysWithinThreeQuartersOfAVoxelAt256) {
   const Mesh back = surfaceFromMedium(medium);
   const MeshReport report = checkMesh(back), original = checkMesh(*body.mesh);
   EXPECT_TRUE(report.closedAndConsistent());
+  EXPECT_EQ(report.degenerateFaces, 0u);
   EXPECT_NEAR(report.signedVolume, original.signedVolume, GetParam().volume * original.signedVolume);
 
   // Where shells overlap, or a gap is narrower than a voxel, a face of the mesh has solid on both sides: it is not on

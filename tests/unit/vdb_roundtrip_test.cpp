@@ -287,6 +287,60 @@ TEST(VdbConvert, EveryTypeGoesThroughNanoVdb) {
   }
 }
 
+TEST(VdbConvert, NanoVdbKeepsMetadata) {
+  const TemporaryFolder folder;
+  openvdb::MetaMap metadata;
+  metadata.insertMeta("shot", openvdb::StringMetadata("12"));
+  openvdb::GridPtrVec grids = gridsOfManyTypes();
+  grids.back()->setVectorType(openvdb::VEC_COVARIANT);
+  openvdb::io::File(folder / "a.vdb").write(grids, metadata);
+  convertVdb(folder / "a.vdb", folder / "a.nvdb");
+  const VdbInfo info = inspectVdb(folder / "a.nvdb");
+  EXPECT_EQ(info.metadata.at("shot"), "12");
+  for (const GridInfo& grid : info.grids) EXPECT_EQ(grid.metadata.at("author"), grid.name);
+  EXPECT_EQ(info.grids.back().vectorType, "covariant");
+}
+
+TEST(VdbConvert, AMediumGoesThroughNanoVdb) {
+  const TemporaryFolder folder;
+  const Medium written = ballMedium();
+  writeVdb(folder / "medium.nvdb", written);
+  const Medium read = readMedium(folder / "medium.nvdb");
+  EXPECT_EQ(read.domain().dims, written.domain().dims);
+  EXPECT_EQ(read.domain().minCorner, written.domain().minCorner);
+  EXPECT_EQ(read.domain().voxelSize, written.domain().voxelSize);
+  EXPECT_EQ(read.ambient().index, written.ambient().index);
+  EXPECT_EQ(read.ambient().attenuation, written.ambient().attenuation);
+  expectSameGrid(*written.grids().index, *read.grids().index);
+}
+
+TEST(VdbConvert, HalfNanoVdbHasSixteenBits) {
+  const TemporaryFolder folder;
+  int warnings = 0;
+  RunContext ctx;
+  ctx.onLog = [&](LogLevel level, std::string_view line) {
+    warnings += level == LogLevel::Warning && line.find("32-bit") != line.npos;
+  };
+  writeVdb(folder / "full.nvdb", ballMedium());
+  VdbWriteOptions half;
+  half.half = true;
+  writeVdb(folder / "half.nvdb", ballMedium(), half, ctx);
+  EXPECT_EQ(warnings, 2) << "attenuation and scattering";
+  EXPECT_LT(std::filesystem::file_size(folder / "half.nvdb"), std::filesystem::file_size(folder / "full.nvdb"));
+  for (const Difference& d : compareVdb(folder / "full.nvdb", folder / "half.nvdb"))
+    EXPECT_LE(d.maximum, d.name == "attenuation" || d.name == "scattering" ? 0 : 1. / 65535) << d.name;
+}
+
+TEST(VdbInfo, SaysWhatIsMirrored) {
+  const TemporaryFolder folder;
+  openvdb::GridPtrVec grids = gridsOfManyTypes();
+  grids.front()->transform().postScale(openvdb::Vec3d(-1, 1, 1));
+  openvdb::io::File(folder / "a.vdb").write(grids);
+  const VdbInfo info = inspectVdb(folder / "a.vdb");
+  EXPECT_TRUE(info.grids.front().mirrored);
+  EXPECT_FALSE(info.grids.back().mirrored);
+}
+
 TEST(VdbConvert, NamesTheGridThatNanoVdbCannotHold) {
   const TemporaryFolder folder;
   openvdb::initialize();

@@ -130,6 +130,7 @@ void expectClosed(const Mesh& mesh) {
   EXPECT_EQ(report.openEdges, 0u);
   EXPECT_EQ(report.inconsistentEdges, 0u);
   EXPECT_GT(report.signedVolume, 0);
+  EXPECT_EQ(report.degenerateFaces, 0u);
 }
 
 TEST(Surface, FollowsEveryTransform) {
@@ -229,6 +230,32 @@ TEST(Surface, SharpeningBringsThinPartsBack) {
     plain.sharpen = false;
     EXPECT_THROW((void)surfaceOfFile(folder, grid, plain), Error) << "nothing reaches one half";
   }
+}
+
+// At voxels of exactly the isovalue the vertices of all cells around them would be one point.
+TEST(Surface, HasNoTriangleWithoutArea) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  for (const float background : {0.F, 5.F})
+    for (const char* name : {"coverage", "density"}) {
+      auto grid = openvdb::FloatGrid::create(background);
+      std::uint32_t random = 7;
+      for (int v = 0; v < 4096; ++v) {
+        random = random * 1664525u + 1013904223u;
+        if (random >> 30 == 0)
+          grid->tree().setValueOn({v >> 8, v >> 4 & 15, v & 15}, random >> 29 & 1 ? .5F : 1 - background / 5);
+      }
+      grid->setName(name);
+      for (const double adaptivity : {0.0, .5})
+        for (const bool sharpen : {false, true}) {
+          SurfaceOptions options;
+          options.adaptivity = adaptivity;
+          options.sharpen = sharpen;
+          const Mesh mesh = surfaceOfFile(folder, grid, options);
+          EXPECT_EQ(checkMesh(mesh).degenerateFaces, 0u) << name << ' ' << background << ' ' << adaptivity;
+          EXPECT_EQ(checkMesh(mesh).openEdges, 0u) << name << ' ' << background << ' ' << adaptivity;
+        }
+    }
 }
 
 TEST(Sharpening, KnowsWhatAPlaneLeavesOfAVoxel) {

@@ -25,6 +25,7 @@ Json gridReport(const GridInfo& g) {
           {"indexMax", g.indexMax},
           {"world", {{"min", g.world.min}, {"max", g.world.max}}},
           {"voxelSize", g.voxelSize},
+          {"mirrored", g.mirrored},
           {"minimum", g.minimum},
           {"maximum", g.maximum},
           {"mean", g.mean},
@@ -61,6 +62,10 @@ bool isAligned(const GridInfo& g) {
   return true;
 }
 
+std::string axesText(const GridInfo& g) {
+  return std::string(isAligned(g) ? "aligned" : "turned") + (g.mirrored ? ", mirrored" : "");
+}
+
 std::string corner(const Vec3d& v) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]); }
 
 void printValues(const std::vector<GridInfo>& grids) {
@@ -87,10 +92,7 @@ void printPlaces(const std::vector<GridInfo>& grids) {
   TextTable table({{"grid", Left}, {"voxel [world]"}, {"axes", Left}, {"dims"}, {"world box", Left}});
   for (const GridInfo& g : grids) {
     const bool empty = g.activeVoxels == 0;
-    table.add({plain(g.name), voxelText(g.voxelSize),
-               empty          ? "-"
-               : isAligned(g) ? "aligned"
-                              : "turned",
+    table.add({plain(g.name), voxelText(g.voxelSize), empty ? "-" : axesText(g),
                empty ? "-" : fmt::format("{} x {} x {}", dim(g, 0), dim(g, 1), dim(g, 2)),
                empty ? "no active voxel" : corner(g.world.min) + " to " + corner(g.world.max)});
   }

@@ -79,6 +79,7 @@ struct GridInfo {
   Vec3d voxelSize{1, 1, 1};
   double minimum = 0, maximum = 0, mean = 0; ///< over active values; of the length for vectors
   std::map<std::string, std::string> metadata;
+  bool mirrored = false; ///< the grid's axes are a mirror image of the world's: a left-handed transform
 };
 struct VdbInfo {
   std::vector<GridInfo> grids;
