@@ -21,16 +21,25 @@ struct ImageFileHeader {
   bool deep = false;                           ///< several samples a pixel
   bool floatingPoint = false;                  ///< linear values; else integers in sRGB
   std::uint64_t uncompressedBytes = 0;         ///< of pixels in the file; 0 where they are compressed
-  std::map<std::string, std::string> metadata; ///< attributes that are text
+  std::vector<float> chromaticities;           ///< x, y of red, green, blue and white; empty where nothing is said
+  std::map<std::string, std::string> metadata; ///< attributes that are text, or that writers make of text
 };
 
-/// Where a picture goes and what is written besides its pixels.
+/// Where a picture goes, what its writer would like, and what is written besides its pixels.
 struct ImageFileTarget {
   std::string path;      ///< names the format, and the file in messages
   std::string temporary; ///< the file that is written
   int width = 0, height = 0;
-  bool prefersFloat = false; ///< 32-bit floats, where the format has them
+  int colours = 3;    ///< or 1, grey
+  bool alpha = false; ///< one channel more
+  int bits = 8;       ///< of a channel: integers of 8 or 16 in sRGB with straight alpha, or 32-bit floats, linear
   std::map<std::string, std::string> metadata;
+};
+
+/// What the file's format makes of that.
+struct ImageFileFormat {
+  int bits = 8;
+  bool alpha = false;
 };
 
 /// The module's functions. Both sides come from one build: `version` refuses a module left over from another. Errors
@@ -40,8 +49,9 @@ struct ImageIo {
   /// Decodes the first picture, pixel by pixel, channels side by side. `accept` sees the header before anything is
   /// allocated and may throw. Sets OpenImageIO to one thread for the rest of the process: for a child that ends soon.
   std::vector<float> (*read)(const std::string& path, const std::function<void(const ImageFileHeader&)>& accept);
-  /// Writes R, G, B. `pixels` is asked once, with whether the file holds floats (linear) or integers (to be encoded).
-  void (*write)(const ImageFileTarget& target, const std::function<std::vector<float>(bool floatingPoint)>& pixels);
+  /// Writes one picture. `pixels` is asked once, for what the format holds.
+  void (*write)(const ImageFileTarget& target,
+                const std::function<std::vector<float>(const ImageFileFormat& format)>& pixels);
 };
 
 /// The module's one exported function, "volcausticImageIo".

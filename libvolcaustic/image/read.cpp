@@ -1,8 +1,11 @@
 #include "core/guarded_process.h"
-#include "image/image_file.h"
+#include "image/colour.h"
 #include "image/imageio_module.h"
+#include "image/primaries.h"
 #include "volcaustic/error.h"
+#include "volcaustic/image.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <istream>
 #include <ostream>
@@ -46,10 +49,37 @@ void requirePlausible(const ImageFileHeader& header, const std::string& place, s
 void linearise(std::vector<float>& pixels, const ImageFileHeader& header) {
   const std::size_t channels = header.channels.size();
   const bool straight = header.straightAlpha && header.alphaChannel >= 0;
+  if (header.floatingPoint && !straight) return;
   for (std::size_t i = 0; i < pixels.size(); i += channels) {
     const float alpha = straight ? pixels[i + std::size_t(header.alphaChannel)] : 1;
-    for (std::size_t c = 0; c < channels; ++c)
-      if (static_cast<int>(c) != header.alphaChannel) pixels[i + c] = linearFromSrgb(pixels[i + c]) * alpha;
+    for (std::size_t c = 0; c < channels; ++c) {
+      if (static_cast<int>(c) == header.alphaChannel) continue;
+      const float linear = header.floatingPoint ? pixels[i + c] : linearFromSrgb(pixels[i + c]);
+      pixels[i + c] = linear * alpha;
+    }
+  }
+}
+
+/// Colours of other primaries become Rec. 709: every layer's R, G and B.
+void toRec709(std::vector<float>& pixels, const ImageFileHeader& header) {
+  const auto conversion = rec709From(header.chromaticities);
+  if (!conversion) return;
+  const auto indexOf = [&](const std::string& name) {
+    return std::find(header.channels.begin(), header.channels.end(), name) - header.channels.begin();
+  };
+  const auto channels = std::ssize(header.channels);
+  for (const std::string& red : header.channels) {
+    if (red != "R" && !red.ends_with(".R")) continue;
+    const std::string layer = red.substr(0, red.size() - 1);
+    const std::ptrdiff_t r = indexOf(red), g = indexOf(layer + "G"), b = indexOf(layer + "B");
+    if (g == channels || b == channels) continue;
+    for (std::size_t i = 0; i < pixels.size(); i += header.channels.size()) {
+      float* pixel = pixels.data() + i;
+      const Colour colour = *conversion * Colour{pixel[r], pixel[g], pixel[b]};
+      pixel[r] = colour[0];
+      pixel[g] = colour[1];
+      pixel[b] = colour[2];
+    }
   }
 }
 
@@ -61,7 +91,9 @@ void decode(const ImageIo& io, const std::string& place, std::uint64_t fileBytes
     requirePlausible(claimed, place, fileBytes, ctx);
     header = claimed;
   });
-  if (!header.floatingPoint) linearise(pixels, header);
+  linearise(pixels, header);
+  toRec709(pixels, header);
+  header.metadata["colorInteropID"] = header.floatingPoint ? kLinearColours : kDisplayColours;
 
   const std::size_t channels = header.channels.size();
   put(out, static_cast<std::uint64_t>(header.width));

@@ -21,6 +21,7 @@ struct Convert {
   std::string index, attenuation, scattering, asymmetry, coverage, body;
   MediumImport import;
   VdbWriteOptions write;
+  ImageWriteOptions image;
 };
 
 constexpr const char* kMapping = "A medium from any volume: value = offset + scale * grid; RGB as 0.1/0.2/0.3";
@@ -40,7 +41,8 @@ void declareConvert(CLI::App& command, Convert& o) {
       ->option_text("GRID[:ior=N,...]")
       ->group(kMapping);
   addFlags(command, o.import);
-  addFlags(command, o.write, {{"half"}, {}});
+  command.add_flag("--half", o.write.half, "16-bit floats in .vdb, .nvdb and .exr files");
+  addFlags(command, o.image, {{"layers", "compression", "tiles", "exposure", "tone", "bits", "alpha"}, {}});
 }
 
 /// What the command line maps; an empty import when nothing.
@@ -91,7 +93,9 @@ void convertFile(Job& job, const Convert& o, FileKind kind) {
     case FileKind::Mesh:
       return writeMesh(o.out, readMesh(o.in, ctx), {}, ctx);
     default:
-      return writeImage(o.out, readImage(o.in, ctx), {}, ctx);
+      ImageWriteOptions write = o.image;
+      write.half = o.write.half;
+      return writeImage(o.out, readImage(o.in, ctx), write, ctx);
     }
   });
   job.console().say(o.out + ": written");
