@@ -3,12 +3,15 @@
 #include "volcaustic/error.h"
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace volcaustic {
 
 namespace {
 
 constexpr std::size_t kDeepestNesting = 64;
+/// A value takes some 64 bytes of memory and may be two bytes of text.
+constexpr std::size_t kMostValues = std::size_t{1} << 22;
 
 /// Builds a document from parser events. Open containers stay on a stack; only the innermost one grows, so the pointers
 /// to the outer ones stay valid.
@@ -32,7 +35,7 @@ public:
 
   bool key(string_t& key) override {
     mKey = key;
-    if (mOpen.back()->contains(key))
+    if (!mSeen.back().insert(key).second)
       throw Error(ErrorKind::Input,
                   mName + ":" + pointer() + "/" + pointerToken(key) + ": is given twice; remove one of the two");
     mKeys.back() = pointerToken(key);
@@ -68,6 +71,9 @@ private:
   }
 
   Json* add(Json&& value) {
+    if (++mValues > kMostValues)
+      throw Error(ErrorKind::Input, mName + ":" + pointer() + ": holds more than " + std::to_string(kMostValues) +
+                                        " values; keep large data outside of the JSON");
     if (mOpen.empty()) {
       mRoot = std::move(value);
       return &mRoot;
@@ -77,7 +83,9 @@ private:
       parent.push_back(std::move(value));
       return &parent.back();
     }
-    return &(parent[mKey] = std::move(value));
+    // key() has seen that it is new; looking for it again, as operator[] does, takes time by the square of the keys.
+    std::vector<Json::object_t::value_type>& members = parent.get_ref<Json::object_t&>();
+    return &members.emplace_back(mKey, std::move(value)).second;
   }
 
   bool put(Json value) {
@@ -91,12 +99,14 @@ private:
                                         std::to_string(kDeepestNesting) + " levels; check the brackets");
     mOpen.push_back(add(std::move(container)));
     mKeys.emplace_back();
+    mSeen.emplace_back();
     return true;
   }
 
   bool close() {
     mOpen.pop_back();
     mKeys.pop_back();
+    mSeen.pop_back();
     return true;
   }
 
@@ -104,7 +114,9 @@ private:
   std::string mName;
   Json mRoot;
   std::vector<Json*> mOpen;
-  std::vector<std::string> mKeys; // latest key of each open object, as a pointer token
+  std::size_t mValues = 0;
+  std::vector<std::unordered_set<std::string>> mSeen; // keys of each open object
+  std::vector<std::string> mKeys;                     // latest key of each open object, as a pointer token
   std::string mKey;
 };
 

@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 /// Parses JSON with // and /* */ comments.
 /// \throws Error(Input) "name:line:column: ..." for bad syntax, "name:/pointer: ..." for a key given twice or for
-/// nesting beyond 64 levels.
+/// nesting beyond 64 levels, or more than four million values.
 Json parseJson(std::string_view text, const std::string& name);
 
 /// A key as a token of a JSON pointer (RFC 6901): ~ and / escaped.

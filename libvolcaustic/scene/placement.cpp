@@ -41,9 +41,12 @@ Matrix rotation(int axis, double degrees) {
 Affine affine(const Placement& placement) {
   const Matrix turn = product(rotation(2, placement.rotate[2]),
                               product(rotation(1, placement.rotate[1]), rotation(0, placement.rotate[0])));
+  const auto& [xy, xz, yz] = placement.shear;
   Affine result{};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) result[i][j] = turn[i][j] * placement.scale[j];
+    result[i][2] += result[i][0] * xz + result[i][1] * yz;
+    result[i][1] += result[i][0] * xy;
     result[i][3] = placement.translate[i];
   }
   return result;

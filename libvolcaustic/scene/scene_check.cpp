@@ -79,11 +79,14 @@ void checkObjects(const Scene& scene, const SceneSource& source) {
 }
 
 void checkLights(const Scene& scene, const SceneSource& source) {
-  for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    if (scene.lights[i].type == LightType::Directional &&
-        dot(scene.lights[i].direction, scene.lights[i].direction) == 0)
-      source.fail("/lights/" + std::to_string(i) + "/direction",
-                  "has no length; say where the light goes, as [0, 0, -1]");
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
+    const std::string pointer = "/lights/" + std::to_string(i);
+    if (light.type != LightType::Point && dot(light.direction, light.direction) == 0)
+      source.fail(pointer + "/direction", "has no length; say where the light goes, as [0, 0, -1]");
+    if (light.type == LightType::Spot && light.innerAngle > light.outerAngle)
+      source.fail(pointer + "/innerAngle", "is above outerAngle; give an angle from 0 to that");
+  }
 }
 
 void checkCamera(const Camera& camera, const SceneSource& source) {

@@ -1,4 +1,6 @@
 #include "core/nearest_word.h"
+#include "scene/gltf_file.h"
+#include "scene/gltf_scene.h"
 #include "scene/json_document.h"
 #include "scene/scene_check.h"
 #include "scene/scene_edit.h"
@@ -230,14 +232,8 @@ std::string readText(const std::filesystem::path& path) {
   return text;
 }
 
-} // namespace
-
-Scene parseScene(const std::string& text, const std::filesystem::path& name, const SceneReadOptions& options) {
-  SceneSource source{name.string(), name.parent_path(), {}};
-  Json document = parseJson(text, source.name);
-  if (!document.is_object()) source.fail("/", "must be an object, not " + excerpt(document) + "; write { ... }");
-  checkVersion(document, source);
-
+/// A frame's scene of a document, which is checked with what was set from outside.
+Scene sceneOf(Json document, SceneSource source, const SceneReadOptions& options) {
   // Tracks can be set from outside too; a value set from outside wins over a track.
   const auto setsTrack = [](const std::string& set) { return set.starts_with("animation"); };
   for (const std::string& set : options.sets)
@@ -254,8 +250,30 @@ Scene parseScene(const std::string& text, const std::filesystem::path& name, con
   return scene;
 }
 
-Scene readScene(const std::filesystem::path& path, const SceneReadOptions& options) {
-  return parseScene(readText(path), path, options);
+/// What only glTF files have a use for.
+void rejectGltfOptions(const SceneReadOptions& options, const std::string& name) {
+  if (!options.camera.empty())
+    throw Error(ErrorKind::Usage, "camera " + excerpt(options.camera) + ": " + name +
+                                      " has one camera and no name for it; cameras are chosen from glTF files");
+  if (options.framesPerSecond)
+    throw Error(ErrorKind::Usage,
+                "frames per second: the animation of " + name + " is in frames; only that of glTF files is in seconds");
+}
+
+} // namespace
+
+Scene parseScene(const std::string& text, const std::filesystem::path& name, const SceneReadOptions& options) {
+  SceneSource source{name.string(), name.parent_path(), {}};
+  rejectGltfOptions(options, source.name);
+  Json document = parseJson(text, source.name);
+  if (!document.is_object()) source.fail("/", "must be an object, not " + excerpt(document) + "; write { ... }");
+  checkVersion(document, source);
+  return sceneOf(std::move(document), std::move(source), options);
+}
+
+Scene readScene(const std::filesystem::path& path, const SceneReadOptions& options, const RunContext& ctx) {
+  if (!isGltfName(path)) return parseScene(readText(path), path, options);
+  return sceneOf(gltfSceneDocument(path, options, ctx), {path.string(), path.parent_path(), {}}, options);
 }
 
 } // namespace volcaustic

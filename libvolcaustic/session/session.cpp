@@ -1,6 +1,7 @@
 #include "volcaustic/session.h"
 
 #include "core/hash.h"
+#include "scene/scene_meshes.h"
 #include "transport/passes.h"
 #include "volcaustic/error.h"
 #include "volcaustic/options.h"
@@ -94,7 +95,7 @@ struct Session::State {
     return *stage.result;
   }
 
-  const LoadedMesh& load(const SceneObject& object) {
+  const LoadedMesh& load(const SceneObject& object, SceneMeshReader& reader) {
     if (object.mesh) {
       // A mesh in memory may change behind its pointer, so it is hashed afresh.
       LoadedMesh& entry = meshes["memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(object.mesh.get()))];
@@ -102,10 +103,10 @@ struct Session::State {
       return entry;
     }
     std::error_code ignored;
-    const auto time = std::filesystem::last_write_time(object.meshFile, ignored);
+    const auto time = std::filesystem::last_write_time(sceneMeshFile(object.meshFile), ignored);
     LoadedMesh& entry = meshes[object.meshFile];
     if (!entry.mesh || entry.time != time) {
-      auto mesh = std::make_shared<const Mesh>(readMesh(object.meshFile, ctx));
+      auto mesh = std::make_shared<const Mesh>(reader.read(object.meshFile));
       const std::uint64_t key = meshKey(*mesh);
       entry = {time, key, std::move(mesh)};
     }
@@ -122,8 +123,8 @@ struct Session::State {
     throw Error(ErrorKind::Input, "objects (" + nameOf(object) + "): no material is called '" + name + "'");
   }
 
-  std::vector<Body> bodiesOf(const SceneObject& o) {
-    auto mesh = std::make_shared<const Mesh>(transformed(*load(o).mesh, affine(o.placement)));
+  std::vector<Body> bodiesOf(const SceneObject& o, SceneMeshReader& reader) {
+    auto mesh = std::make_shared<const Mesh>(transformed(*load(o, reader).mesh, affine(o.placement)));
     std::vector<GroupMaterial> groups;
     for (const SceneGroup& g : o.groups) groups.push_back({g.name, material(g.material, o), o.priority + g.priority});
     return bodiesByGroup(std::move(mesh), material(o.material, o), o.priority, groups, nameOf(o), ctx);
@@ -142,11 +143,12 @@ struct Session::State {
     h.value(v.automatic).value(v.margin).value(v.resolution).value(v.voxelSize);
     h.values(std::span<const double>(v.bounds.min)).values(std::span<const double>(v.bounds.max));
     addOptions(h, scene.voxelise);
+    SceneMeshReader reader(ctx);
     for (const SceneObject& o : scene.objects) {
       if (!o.visible) continue;
       addOptions(h, o.placement);
       addOptions(h, material(o.material, o));
-      h.value(o.priority).value(load(o).key).value(o.groups.size());
+      h.value(o.priority).value(load(o, reader).key).value(o.groups.size());
       for (const SceneGroup& g : o.groups) {
         h.text(g.name).value(g.priority);
         addOptions(h, material(g.material, o));
@@ -158,9 +160,10 @@ struct Session::State {
   Medium buildScene() {
     if (!scene.volume.file.empty()) return readMedium(scene.volume.file, ctx);
     std::vector<Body> bodies;
+    SceneMeshReader reader(ctx);
     for (const SceneObject& o : scene.objects) {
       if (!o.visible) continue;
-      for (Body& body : bodiesOf(o)) bodies.push_back(std::move(body));
+      for (Body& body : bodiesOf(o, reader)) bodies.push_back(std::move(body));
     }
     return buildMedium(bodies, scene.volume.ambient, domainOf(bodies), scene.voxelise, ctx);
   }
@@ -228,18 +231,18 @@ const PhotonResult& Session::photons() {
                   [&] { return tracePhotons(m, flat, s.scene.lights, s.scene.photons, s.ctx, s.tracers); });
 }
 
-const ViewResult& Session::view() {
+const ViewResult& Session::view(const ViewObserver& observer) {
   State& s = *mState;
   const Medium& m = medium();
   const PhotonResult& light = photons();
   const FlatMediumStorage& flat = s.flattened();
   Hash h;
-  h.text("view 1").value(s.photons.key).value(s.flat.key);
+  h.text("view 2").value(s.photons.key).value(s.flat.key);
   addOptions(h, s.scene.camera);
   addOptions(h, s.scene.background);
   addOptions(h, s.scene.view);
   return s.ensure(s.view, "view", h, [&] {
-    return renderView(m, flat, light.radiance, s.scene.camera, s.scene.background, s.scene.view, s.ctx);
+    return renderView(m, flat, light.radiance, s.scene.camera, s.scene.background, s.scene.view, s.ctx, observer);
   });
 }
 

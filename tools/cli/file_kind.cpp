@@ -29,6 +29,7 @@ constexpr std::pair<std::string_view, FileKind> kMagic[] = {
     {"ply"sv, FileKind::Mesh},
     {"OFF"sv, FileKind::Mesh},
     {"solid "sv, FileKind::Mesh},
+    {"glTF"sv, FileKind::Scene},
 };
 
 constexpr std::pair<std::string_view, FileKind> kExtensions[] = {
@@ -38,7 +39,7 @@ constexpr std::pair<std::string_view, FileKind> kExtensions[] = {
     {".tif", FileKind::Image},  {".tiff", FileKind::Image},  {".tga", FileKind::Image},  {".bmp", FileKind::Image},
     {".dpx", FileKind::Image},  {".gif", FileKind::Image},   {".jp2", FileKind::Image},  {".pbm", FileKind::Image},
     {".pgm", FileKind::Image},  {".ppm", FileKind::Image},   {".pnm", FileKind::Image},  {".sgi", FileKind::Image},
-    {".webp", FileKind::Image},
+    {".webp", FileKind::Image}, {".gltf", FileKind::Scene},  {".glb", FileKind::Scene},
 };
 
 /// The kind in words, with the extensions that make it.
@@ -53,7 +54,7 @@ const char* describe(FileKind kind) {
   case FileKind::Scene:
     break;
   }
-  return "a scene (.json)";
+  return "a scene (.json, .gltf, .glb)";
 }
 
 std::optional<FileKind> byExtension(const std::string& path) {

@@ -67,7 +67,7 @@ void printLights(const std::vector<Light>& lights) {
 } // namespace
 
 Json sceneInfo(const std::string& path, Job& job) {
-  const Scene scene = readScene(path);
+  const Scene scene = readScene(path, {}, job.context());
   const std::string hash = sceneHash(scene);
   if (!job.json()) {
     fmt::print("{}: scene {}, {} objects, {} materials, {} lights\n", path, hash, scene.objects.size(),

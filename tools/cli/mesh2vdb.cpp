@@ -33,7 +33,10 @@ struct Sequence {
   std::vector<Conversion> conversions;
 };
 
-bool isScene(const std::string& input) { return input != "-" && std::filesystem::path(input).extension() == ".json"; }
+bool isScene(const std::string& input) {
+  const std::string extension = std::filesystem::path(input).extension().string();
+  return input != "-" && (extension == ".json" || extension == ".gltf" || extension == ".glb");
+}
 
 Sequence sequenceOf(const MeshToVdb& o, const std::string& input, const std::string& output) {
   Sequence sequence{input, isScene(input), {}};
@@ -63,8 +66,9 @@ std::vector<Sequence> plan(const MeshToVdb& o, bool json) {
   std::vector<Sequence> sequences;
   for (std::size_t i = 0; i < o.inputs.size(); ++i) sequences.push_back(sequenceOf(o, o.inputs[i], outputs[i]));
   const auto scene = std::find_if(sequences.begin(), sequences.end(), [](const Sequence& s) { return s.isScene; });
-  if (scene == sequences.end() && !o.sets.empty())
-    throw Error(ErrorKind::Usage, "--set: changes the options of a scene, and there is none among the inputs");
+  if (scene == sequences.end() && (!o.scene.sets.empty() || o.scene.framesPerSecond))
+    throw Error(ErrorKind::Usage, std::string(o.scene.sets.empty() ? "--fps" : "--set") +
+                                      ": is for scenes, and there is none among the inputs");
   if (scene != sequences.end())
     for (const CLI::Option* option : o.meshOptions)
       if (option->count() > 0)
@@ -201,7 +205,8 @@ private:
 
   Medium sceneMedium(const Conversion& conversion, std::optional<Session>& session, Json& entry) {
     Scene scene = mJob.timed("read", [&] {
-      return readSceneArgument(conversion.input, {mOptions.sets, static_cast<double>(conversion.frame.value_or(1))});
+      return readSceneArgument(conversion.input, mOptions.scene.at(conversion.frame.value_or(1)),
+                               session ? withoutWords(mJob.context()) : mJob.context());
     });
     entry["sceneHash"] = sceneHash(scene);
     entry["objects"] = scene.objects.size();

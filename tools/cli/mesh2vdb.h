@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common.h"
+#include "scene_input.h"
 
 #include <volcaustic/medium.h>
 #include <volcaustic/options.h>
@@ -36,7 +37,7 @@ struct MeshToVdb {
   std::vector<std::string> groups;
   VoxeliseOptions voxelise;
   VdbWriteOptions write;
-  std::vector<std::string> sets;
+  SceneFlags scene;
   std::string frames;
   bool resume = false;
   std::vector<const CLI::Option*> meshOptions; ///< those that mean nothing for a scene

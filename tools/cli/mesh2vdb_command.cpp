@@ -36,7 +36,8 @@ void declareMeshOptions(CLI::App& command, MeshToVdb& o) {
 
 void declareMeshToVdb(CLI::App& command, MeshToVdb& o) {
   addFiles(command, o.inputs, o.outputs,
-           "meshes: .obj, .ply, .stl, .off, or - for one on standard input; or a scene .json, all of whose bodies make "
+           "meshes: .obj, .ply, .stl, .off, or - for one on standard input; or a scene (.json, .gltf, .glb), all of "
+           "whose bodies make "
            "one volume",
            "one .vdb or .nvdb for each input, a folder, a name with {} for the input's name, or - for standard output");
   const auto before = std::ssize(command.get_options());
@@ -44,8 +45,7 @@ void declareMeshToVdb(CLI::App& command, MeshToVdb& o) {
   const std::vector<CLI::Option*> all = command.get_options({});
   o.meshOptions.assign(all.begin() + before, all.end());
   addFlags(command, o.write, {{"half"}, {}});
-  command.add_option("--set", o.sets, "set any option of a scene, as voxelise.blur=5; again for more")
-      ->allow_extra_args(false);
+  addSceneFlags(command, o.scene, true);
   command.add_option("--frames", o.frames,
                      "A-B[xS]: a sequence, the frame's number in the place of #### or %04d in IN and OUT; all frames "
                      "of a mesh get one lattice, around all of them or --bounds");

@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace volcaustic::cli {
 
@@ -96,6 +97,9 @@ private:
   }
   void add(const std::string& flag, std::string& value, const FieldDoc& doc) {
     mCommand.add_option(flag, value, doc.text);
+  }
+  void add(const std::string& flag, std::vector<std::string>& value, const FieldDoc& doc) {
+    mCommand.add_option(flag, value, doc.text)->delimiter(',')->allow_extra_args(false)->option_text("A,B,...");
   }
   template <class T>
   requires std::is_enum_v<T>

@@ -22,16 +22,16 @@ namespace {
 /// What trace and render share: a scene, changes to it, and the frames of it.
 struct SceneRun {
   std::string scene;
-  std::vector<std::string> outputs, sets;
+  std::vector<std::string> outputs;
+  SceneFlags flags;
   std::string frames;
   bool resume = false;
 };
 
 void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
-  command.add_option("SCENE", o.scene, "scene file, or - for standard input")->required();
+  command.add_option("SCENE", o.scene, "scene file (.json, .gltf, .glb), or - for JSON on standard input")->required();
   command.add_option("-o,--output", o.outputs, outputText)->required()->allow_extra_args(false);
-  command.add_option("--set", o.sets, "set any option of the scene, as photons.grid=[512,512]; again for more")
-      ->allow_extra_args(false);
+  addSceneFlags(command, o.flags, true);
   command.add_option("--frames", o.frames, "A-B[xS]: one file a frame, its number in the place of #### or %04d in OUT");
   command.add_flag("--resume", o.resume, "skip frames whose files are there");
 }
@@ -70,7 +70,8 @@ public:
 
   Session& at(int frame, Json& result) {
     Scene scene = mJob.timed("read", [&] {
-      return readSceneArgument(mOptions.scene, {mOptions.sets, static_cast<double>(frame)});
+      return readSceneArgument(mOptions.scene, mOptions.flags.at(frame),
+                               mSession ? withoutWords(mJob.context()) : mJob.context());
     });
     result["sceneHash"] = sceneHash(scene);
     if (mSession)
@@ -168,24 +169,35 @@ struct Render {
   SceneRun run;
   std::string radiance;
   bool fullFloat = false;
+  std::optional<double> exposure; ///< the scene's when not given
+  ImageWriteOptions write;
 };
 
 void declareRender(CLI::App& command, Render& o) {
   declareSceneRun(command, o.run,
                   "picture: .exr with every layer, or .png and other formats, tone-mapped; again for more");
+  command.add_option("--camera", o.run.flags.camera, "camera of a glTF file, by name; the first if not given");
   command.add_option("--radiance", o.radiance,
                      "radiance volume of an earlier trace, instead of sending photons; with ####, one for each frame");
   command.add_flag("--float", o.fullFloat, "32-bit floats in .exr files");
+  addFlags(command, o.write, {{"layers", "compression", "tiles", "tone", "bits", "alpha"}, {}});
+  command
+      .add_option("--exposure", o.exposure,
+                  "brightness of 8- and 16-bit files [stops]; default: view.exposure of the scene")
+      ->check(CLI::Range(-40.0, 40.0));
 }
 
 void writePictures(Job& job, const Render& o, const ViewResult& view, const Session& session,
                    const std::vector<std::string>& outputs, const std::map<std::string, std::string>& metadata) {
   Image image = view.image;
   image.metadata.insert(metadata.begin(), metadata.end());
+  image.metadata.merge(cameraMetadata(session.scene().camera));
   image.metadata["device"] = job.device();
   for (const StageRun& run : session.runs())
     image.metadata["ms_" + run.stage] = fmt::format("{:.3f}", run.milliseconds);
-  const ImageWriteOptions write{.half = !o.fullFloat, .exposure = session.scene().view.exposure};
+  ImageWriteOptions write = o.write;
+  write.half = !o.fullFloat;
+  write.exposure = o.exposure.value_or(session.scene().view.exposure);
   for (const std::string& output : outputs) {
     job.timed("write", [&] { writeImage(output, image, write, job.context()); });
     job.console().say(output + ": written");

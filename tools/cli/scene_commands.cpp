@@ -12,8 +12,23 @@
 
 namespace volcaustic::cli {
 
-Scene readSceneArgument(const std::string& path, const SceneReadOptions& options) {
-  if (path != "-") return readScene(path, options);
+void addSceneFlags(CLI::App& command, SceneFlags& flags, bool hasFrames) {
+  command.add_option("--set", flags.sets, "set any option of a scene first, as photons.grid=[512,512]; again for more")
+      ->allow_extra_args(false);
+  if (hasFrames)
+    command
+        .add_option("--fps", flags.framesPerSecond,
+                    "frames a second of a glTF file's animation, whose frame N is at N/fps seconds; 24 if not given")
+        ->check(CLI::Range(0.001, 1e6));
+}
+
+RunContext withoutWords(RunContext ctx) {
+  ctx.onLog = nullptr;
+  return ctx;
+}
+
+Scene readSceneArgument(const std::string& path, const SceneReadOptions& options, const RunContext& ctx) {
+  if (path != "-") return readScene(path, options, ctx);
   // Frames read the scene again; standard input can be read once.
   static const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   return parseScene(text, "<stdin>", options);
@@ -25,7 +40,7 @@ namespace {
 void checkFiles(const Scene& scene, const std::string& name) {
   const auto check = [&](const std::filesystem::path& file, const std::string& pointer) {
     std::error_code ignored;
-    if (!file.empty() && !std::filesystem::is_regular_file(file, ignored))
+    if (!file.empty() && !std::filesystem::is_regular_file(sceneMeshFile(file), ignored))
       throw Error(ErrorKind::File,
                   name + ":" + pointer + ": no such file: " + file.string() + "; paths start at the scene file");
   };
@@ -36,19 +51,19 @@ void checkFiles(const Scene& scene, const std::string& name) {
 
 struct SceneCheck {
   CommonOptions common;
-  std::vector<std::string> files, sets;
+  std::vector<std::string> files;
+  SceneFlags flags;
 };
 
 void declareCheck(CLI::App& command, SceneCheck& o) {
-  command.add_option("FILE", o.files, "scene files, or - for standard input")->required();
-  command.add_option("--set", o.sets, "set any option first, as photons.grid=[512,512]; again for more")
-      ->allow_extra_args(false);
+  command.add_option("FILE", o.files, "scene files (.json, .gltf, .glb), or - for JSON on standard input")->required();
+  addSceneFlags(command, o.flags, false);
 }
 
 int runCheck(const SceneCheck& o) {
   Job job("scene check", o.common);
   for (const std::string& file : o.files) {
-    const Scene scene = readSceneArgument(file, {o.sets, 1});
+    const Scene scene = readSceneArgument(file, o.flags.at(1), job.context());
     checkFiles(scene, file);
     job.addInput(file);
     job.report()["sceneHashes"].push_back(sceneHash(scene));

@@ -3,11 +3,29 @@
 
 #include <volcaustic/scene.h>
 
+#include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace volcaustic::cli {
 
-/// readScene, where "-" is standard input.
-Scene readSceneArgument(const std::string& path, const SceneReadOptions& options);
+/// How a scene is read, but for the frame.
+struct SceneFlags {
+  std::vector<std::string> sets;
+  std::string camera{};
+  std::optional<double> framesPerSecond{};
+
+  [[nodiscard]] SceneReadOptions at(double frame) const { return {sets, frame, camera, framesPerSecond}; }
+};
+
+/// --set, and --fps for commands that take frames.
+void addSceneFlags(CLI::App& command, SceneFlags& flags, bool hasFrames);
+
+/// readScene, where "-" is standard input and holds JSON.
+Scene readSceneArgument(const std::string& path, const SceneReadOptions& options, const RunContext& ctx);
+
+/// For the frames after the first: the same without its words, which were said before.
+RunContext withoutWords(RunContext ctx);
 
 } // namespace volcaustic::cli

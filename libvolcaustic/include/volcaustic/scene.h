@@ -5,11 +5,13 @@
 #include "volcaustic/export.h"
 #include "volcaustic/medium.h"
 #include "volcaustic/photons.h"
+#include "volcaustic/run_context.h"
 #include "volcaustic/types.h"
 #include "volcaustic/view.h"
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,11 +28,13 @@ struct SceneVolume {
   std::filesystem::path file; ///< a .vdb with an `index` grid that replaces objects and box
 };
 
-/// Scale, then rotate about x, y and z in that order (degrees), then translate.
+/// Shear, then scale, then rotate about x, y and z in that order (degrees), then translate: every affine placement that
+/// flattens nothing.
 struct Placement {
   Vec3d translate{0, 0, 0};
   Vec3d rotate{0, 0, 0};
   Vec3d scale{1, 1, 1};
+  Vec3d shear{0, 0, 0}; ///< added to x for each y, to x for each z, to y for each z
 };
 VOLCAUSTIC_API Affine affine(const Placement& placement);
 
@@ -43,7 +47,7 @@ struct SceneGroup {
 
 struct SceneObject {
   std::string name;
-  std::filesystem::path meshFile;   ///< mesh to read; or
+  std::filesystem::path meshFile;   ///< mesh to read, or one of a glTF file: "x.glb#/meshes/0"; or
   std::shared_ptr<const Mesh> mesh; ///< a mesh in memory, which wins over meshFile
   Placement placement;
   std::string material = "glass"; ///< a name in Scene::materials
@@ -68,16 +72,24 @@ struct Scene {
 struct SceneReadOptions {
   /// "photons.grid=[512,512]": a dotted path and a JSON value, applied in order before anything is checked.
   std::vector<std::string> sets;
-  /// The frame at which the file's animation tracks are evaluated.
+  /// The frame at which the file's animation is evaluated.
   double frame = 1;
+  /// glTF files only: which camera, by its name or its node's; empty takes the first.
+  std::string camera{};
+  /// glTF files only: their animations are in seconds, and a frame is at frame / framesPerSecond. 24 where not given.
+  std::optional<double> framesPerSecond{};
 };
 
-/// Reads and checks a scene file: JSON with comments, docs/formats.md. Relative paths are taken from the file's folder.
-/// \throws Error(File), or Error(Input) "scene.json:/lights/0/irradiance: ..." with the nearest known key.
-VOLCAUSTIC_API Scene readScene(const std::filesystem::path& path, const SceneReadOptions& options = {});
-/// The same from text; `name` stands for the file in messages and its folder resolves relative paths.
+/// Reads and checks a scene file: JSON with comments (docs/scene_file.md), or glTF 2.0 by the extension .gltf or .glb
+/// (docs/formats.md). Relative paths are taken from the file's folder. What a glTF file holds and a scene cannot is
+/// warned of. \throws Error(File), or Error(Input) "scene.json:/lights/0/irradiance: ..." with the nearest known key.
+VOLCAUSTIC_API Scene readScene(const std::filesystem::path& path, const SceneReadOptions& options = {},
+                               const RunContext& ctx = {});
+/// The same from JSON text; `name` stands for the file in messages and its folder resolves relative paths.
 VOLCAUSTIC_API Scene parseScene(const std::string& text, const std::filesystem::path& name,
                                 const SceneReadOptions& options = {});
+/// The file that SceneObject::meshFile names: "x.glb" of "x.glb#/meshes/0", else itself.
+VOLCAUSTIC_API std::filesystem::path sceneMeshFile(const std::filesystem::path& reference);
 /// Canonical JSON of a scene: every field, keys in documented order.
 VOLCAUSTIC_API std::string sceneToJson(const Scene& scene);
 /// JSON Schema (2020-12) of the scene file.
