@@ -64,7 +64,7 @@ public:
   void run() {
     for (std::int32_t row = mBegin; row < mEnd; ++row)
       for (std::int32_t c = 0; c < mFrame.columns; ++c) entryAt(row, c) = kernels::kNeverBends;
-    if (mClear) bookRun();
+    if (mClear && mFrame.cone.isSphere()) bookRun();
     for (std::int32_t tile = 0; tile < mTask.reach.columns; ++tile) {
       const bool booked = mRunBegin <= tile && tile < mRunEnd;
       if (!booked || reaches(tile)) emitTile(tile, booked);
@@ -160,9 +160,9 @@ private:
     for (int p = 0; p < kPackets; ++p) {
       const M bends = rays.found[p] < F(kernels::kNeverBends);
       if (!any(booked ? bends : rays.sees[p])) continue;
-      const F share =
-          kernels::cellShare(mTask.view, F(static_cast<float>(first)) + Lanes::load(mColumns + p * Lanes::kLanes),
-                             Lanes::load(mRows + p * Lanes::kLanes));
+      F share = kernels::cellShare(mTask.view, F(static_cast<float>(first)) + Lanes::load(mColumns + p * Lanes::kLanes),
+                                   Lanes::load(mRows + p * Lanes::kLanes));
+      if (!mFrame.cone.isSphere()) share = share * mFrame.cone.share(rays.ray[p].direction);
       mTally.counts[static_cast<int>(Counter::Traced)] += Lanes::count(bends);
       if (booked)
         add(mEscaped, bends, -share);

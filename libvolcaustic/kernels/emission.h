@@ -45,6 +45,24 @@ struct RasterPoint {
   double column, row;
 };
 
+/// How the intensity of a spot falls off around its axis: smoothly from all of it inside the inner angle to nothing
+/// beyond the outer one, the square of a ramp in the cosine (as in glTF's KHR_lights_punctual).
+struct Cone {
+  Float3 axis{0, 0, 1}; ///< unit
+  float scale = 0;      ///< 1 / (cos inner - cos outer)
+  float offset = 1;     ///< -cos outer * scale
+
+  /// Whether there is no falloff: a light that shines alike in all directions.
+  [[nodiscard]] VOLCAUSTIC_HD bool isSphere() const { return scale == 0; }
+  /// Of the intensity on the axis, in a direction of length 1.
+  template <class F>
+  [[nodiscard]] VOLCAUSTIC_HD F share(const Vec3<F>& d) const {
+    const F cosine = d.x * F(axis.x) + d.y * F(axis.y) + d.z * F(axis.z);
+    const F ramp = clampTo(cosine * F(scale) + F(offset), F(0), F(1));
+    return ramp * ramp;
+  }
+};
+
 /// One raster of a light, grid space. Parallel light: cells are squares of the plane through `origin` spanned by axisU
 /// and axisV, light travels along axisW. Point light: cells are rectangles of the tangent plane axisW + u axisU + v
 /// axisV.
@@ -57,7 +75,8 @@ struct EmissionFrame {
   bool jitter = false;
   std::uint64_t seed = 0;
   double depth0 = 0; ///< distance from the origin to the box; stored distances are relative to it
-  Double3 strength;  ///< W for a cell (parallel light) or W/sr (point light)
+  Double3 strength;  ///< W for a cell (parallel light) or W/sr (point light; on the axis of its cone)
+  Cone cone;         ///< point light
 
   VOLCAUSTIC_HD std::int64_t cells() const { return static_cast<std::int64_t>(columns) * rows; }
 
@@ -81,24 +100,17 @@ struct EmissionFrame {
     return {origin, normalize(axisW + axisU * u + axisV * v)};
   }
 
-  /// Power of a cell in W.
+  /// Power of a cell in W. A cone is looked up at the cell's ray.
   VOLCAUSTIC_HD Double3 power(std::int64_t cell) const {
     if (!point) return strength;
-    return strength * solidAngle(u0 + static_cast<double>(cell % columns) * du,
-                                 v0 + static_cast<double>(cell / columns) * dv, du, dv);
+    const double angle = solidAngle(u0 + static_cast<double>(cell % columns) * du,
+                                    v0 + static_cast<double>(cell / columns) * dv, du, dv);
+    return strength * (cone.isSphere() ? angle : angle * cone.share(ray(cell).direction));
   }
   /// Solid angle between the tangent plane's point (0, 0) and a corner of the raster's cells, signed.
   VOLCAUSTIC_HD double cornerAngle(std::int32_t column, std::int32_t row) const {
     const double u = u0 + column * du, v = v0 + row * dv;
     return std::atan2(u * v, std::sqrt(1 + u * u + v * v));
-  }
-  /// Power of the cells in [column0, column1) x [row0, row1): irradiance times area, or intensity times solid angle as
-  /// a difference of corner terms.
-  VOLCAUSTIC_HD Double3 powerOf(std::int32_t column0, std::int32_t row0, std::int32_t column1,
-                                std::int32_t row1) const {
-    if (!point) return strength * (static_cast<double>(column1 - column0) * (row1 - row0));
-    return strength * (cornerAngle(column1, row1) - cornerAngle(column0, row1) - cornerAngle(column1, row0) +
-                       cornerAngle(column0, row0));
   }
 };
 
@@ -202,8 +214,9 @@ struct EmissionBody {
     const bool straight = search.found() == kNeverBends;
     entry[cell] = search.found();
 
-    const Double3 power =
-        frame.strength * static_cast<double>(cellShare(view, static_cast<float>(column), static_cast<float>(row)));
+    float share = cellShare(view, static_cast<float>(column), static_cast<float>(row));
+    if (!frame.cone.isSphere()) share *= frame.cone.share(ray.direction);
+    const Double3 power = frame.strength * static_cast<double>(share);
     const float way = smaller(search.found(), span.exit) - span.entry;
     const Double3 kept = power * transmittance(medium.optics[0], way);
     sink.tally(Outcome::Emitted, power);

@@ -1,6 +1,7 @@
 // Lamps: the light that they send through the ambient medium where nothing stands in its way.
 #pragma once
 
+#include "kernels/emission.h"
 #include "kernels/fluence.h"
 
 namespace volcaustic::kernels {
@@ -12,6 +13,7 @@ struct Lamp {
   Float3 strength{0, 0, 0};    ///< fluence (parallel light), or fluence times distance^2 in voxels (point light)
   Float3 attenuation{0, 0, 0}; ///< of the ambient medium, 1/voxel
   Float3 box{0, 0, 0};         ///< high corner of the domain
+  Cone cone;                   ///< point light
   bool point = false, clear = true;
 
   /// Whether its light is the same everywhere.
@@ -34,6 +36,7 @@ VOLCAUSTIC_HD inline LampLight<F> lampLight(const Lamp& lamp, const Vec3<F>& p) 
     const F squared = dot(r, r), inverse = inverseRoot(larger(squared, F(1e-12f)));
     light.direction = r * inverse;
     light.fluence = light.fluence * reciprocal(larger(squared, F(0.25f)));
+    if (!lamp.cone.isSphere()) light.fluence = light.fluence * lamp.cone.share(light.direction);
     way = squared * inverse;
   }
   if (lamp.clear) return light;

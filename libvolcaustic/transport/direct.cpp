@@ -20,12 +20,13 @@ using Cover = LitRaster::Cover;
 constexpr int kTileBricks = 8; // along an axis: what is looked at as a whole first
 
 Lamp lampOf(const Light& light, const FlatMediumStorage& flat, const Domain& domain) {
-  const bool point = light.type == LightType::Point;
+  const bool point = light.type != LightType::Directional;
   const Rgb& power = point ? light.intensity : light.irradiance;
   const double h = domain.voxelSize;
   Lamp lamp;
   lamp.point = point;
   lamp.strength = Float3(Double3(power[0], power[1], power[2]) * (point ? 1 / (h * h) : 1));
+  lamp.cone = coneOf(light);
   if (point)
     lamp.origin = Float3(toGrid(domain, light.position));
   else
@@ -72,9 +73,9 @@ private:
 
 class DirectLightBuilder::Impl {
 public:
-  Impl(const FlatMediumStorage& flat, const Domain& domain, std::span<const Light> lights, const RunContext& ctx)
+  Impl(const FlatMediumStorage& flat, const Domain& domain, std::span<const LightPart> lights, const RunContext& ctx)
       : mDims(flat.dims), mBricks(flat.brickDims), mCtx(ctx), mSets(static_cast<std::int32_t>(lights.size())) {
-    for (const Light& light : lights) mLamps.push_back(lampOf(light, flat, domain));
+    for (const LightPart& part : lights) mLamps.push_back(lampOf(part.light, flat, domain));
     const auto bricks = static_cast<std::size_t>(mBricks.x) * mBricks.y * mBricks.z;
     mSetOf = ZeroedTable<std::int32_t>(bricks);
     mEdgeOf = ZeroedTable<std::int32_t>(bricks);
@@ -296,7 +297,7 @@ private:
 };
 
 DirectLightBuilder::DirectLightBuilder(const FlatMediumStorage& flat, const Domain& domain,
-                                       std::span<const Light> lights, const RunContext& ctx)
+                                       std::span<const LightPart> lights, const RunContext& ctx)
     : mImpl(std::make_unique<Impl>(flat, domain, lights, ctx)) {}
 DirectLightBuilder::~DirectLightBuilder() = default;
 void DirectLightBuilder::add(int light, const kernels::EmissionFrame& frame, std::span<const float> entry) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/emission.h"
+#include "transport/soft_lights.h"
 #include "volcaustic/photons.h"
 #include "volume/flatten.h"
 #include "volume/radiance_bricks.h"
@@ -15,11 +16,11 @@ namespace volcaustic {
 /// Collects the rasters of a pass.
 class DirectLightBuilder {
 public:
-  DirectLightBuilder(const FlatMediumStorage& flat, const Domain& domain, std::span<const Light> lights,
+  DirectLightBuilder(const FlatMediumStorage& flat, const Domain& domain, std::span<const LightPart> lights,
                      const RunContext& ctx);
   ~DirectLightBuilder();
 
-  /// A raster of light number `light`. `entry` is its map of first bends: the same rays that decide which photons are
+  /// A raster of part number `light`. `entry` is its map of first bends: the same rays that decide which photons are
   /// traced decide here how much of a voxel their straight parts cover, so that direct and caustic light add up without
   /// gap or overlap.
   void add(int light, const kernels::EmissionFrame& frame, std::span<const float> entry);

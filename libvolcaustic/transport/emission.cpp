@@ -14,18 +14,16 @@ using kernels::cross;
 using kernels::dot;
 using kernels::Double3;
 using kernels::EmissionFrame;
+using kernels::length;
 using kernels::normalize;
 
-[[noreturn]] void refuse(const Light& light, int number, const std::string& what) {
-  const std::string name = light.name.empty() ? "" : " (" + light.name + ")";
-  throw Error(ErrorKind::Usage, "lights[" + std::to_string(number) + "]" + name + ": " + what);
-}
+Double3 toDouble3(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 bool allFinite(const Vec3d& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
 void checkPower(const Light& light, int number, const Rgb& power, const char* what) {
   for (const double c : power)
-    if (!std::isfinite(c) || c < 0) refuse(light, number, std::string(what) + " must be finite and not negative");
+    if (!std::isfinite(c) || c < 0) refuseLight(light, number, std::string(what) + " must be finite and not negative");
 }
 
 /// Two unit vectors across w. An axis-aligned w gets the other two axes, so that cells line up with voxels.
@@ -56,18 +54,23 @@ struct Bounds2 {
   }
 };
 
-void setRaster(EmissionFrame& f, const Bounds2& b, int columns, int rows) {
+/// The frame with a raster over the bounds, or none where they are empty.
+std::vector<EmissionFrame> withRaster(EmissionFrame f, const Bounds2& b, int columns, int rows) {
+  if (!(b.u1 > b.u0 && b.v1 > b.v0)) return {};
   f.columns = columns;
   f.rows = rows;
   f.u0 = b.u0;
   f.v0 = b.v0;
   f.du = (b.u1 - b.u0) / columns;
   f.dv = (b.v1 - b.v0) / rows;
+  return {f};
 }
 
-EmissionFrame parallelFrame(const Light& light, int number, const Domain& domain, const PhotonOptions& options) {
-  const Double3 d{light.direction[0], light.direction[1], light.direction[2]};
-  if (!allFinite(light.direction) || !(dot(d, d) > 0)) refuse(light, number, "direction must be finite and not zero");
+std::vector<EmissionFrame> parallelFrames(const Light& light, int number, const Domain& domain,
+                                          const PhotonOptions& options) {
+  const Double3 d = toDouble3(light.direction);
+  if (!allFinite(light.direction) || !(dot(d, d) > 0))
+    refuseLight(light, number, "direction must be finite and not zero");
   checkPower(light, number, light.irradiance, "irradiance");
 
   EmissionFrame f;
@@ -79,15 +82,53 @@ EmissionFrame parallelFrame(const Light& light, int number, const Domain& domain
     nearest = std::min(nearest, dot(corner, f.axisW));
   });
   f.origin = f.axisW * nearest; // the plane that touches the box
-  setRaster(f, bounds, options.grid[0], options.grid[1]);
-  const double cellArea = f.du * f.dv * domain.voxelSize * domain.voxelSize;
-  f.strength = Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2]) * cellArea;
-  return f;
+  std::vector<EmissionFrame> frames = withRaster(f, bounds, options.grid[0], options.grid[1]);
+  for (EmissionFrame& frame : frames)
+    frame.strength = Double3(light.irradiance[0], light.irradiance[1], light.irradiance[2]) *
+                     (frame.du * frame.dv * domain.voxelSize * domain.voxelSize);
+  return frames;
+}
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+void checkCone(const Light& light, int number) {
+  if (light.type != LightType::Spot) return;
+  if (!allFinite(light.direction) || !(length(toDouble3(light.direction)) > 0))
+    refuseLight(light, number, "direction must be finite and not zero");
+  if (!(light.outerAngle > 0 && light.outerAngle <= 90))
+    refuseLight(light, number, "outerAngle must be above 0 and at most 90 degrees");
+  if (!(light.innerAngle >= 0 && light.innerAngle <= light.outerAngle))
+    refuseLight(light, number, "innerAngle must be at least 0 and at most outerAngle");
+}
+
+/// The bounds where a cone's rectangle around it on the tangent plane lies inside them; empty where nothing does.
+Bounds2 clippedToCone(Bounds2 bounds, const EmissionFrame& f, const Light& light) {
+  if (light.type != LightType::Spot) return bounds;
+  const Double3 axis = normalize(toDouble3(light.direction));
+  const double sine = std::sin(light.outerAngle * kDegree), along = dot(axis, f.axisW);
+  // Planes through the light that touch the cone: (across - k along)^2 = (1 + k^2) sine^2, where all of it is in front.
+  const auto clip = [&](const Double3& side, double& low, double& high) {
+    const double across = dot(axis, side), denominator = along * along - sine * sine;
+    const double root = sine * std::sqrt(std::max(across * across + denominator, 0.0));
+    if (!(along > 0 && denominator > 1e-9)) return;
+    low = std::max(low, (across * along - root) / denominator);
+    high = std::min(high, (across * along + root) / denominator);
+  };
+  clip(f.axisU, bounds.u0, bounds.u1);
+  clip(f.axisV, bounds.v0, bounds.v1);
+  return bounds;
+}
+
+/// Whether all of a cone is behind a light's tangent plane.
+bool isBehind(const EmissionFrame& f, const Light& light) {
+  return light.type == LightType::Spot &&
+         dot(normalize(toDouble3(light.direction)), f.axisW) < -std::sin(light.outerAngle * kDegree);
 }
 
 EmissionFrame pointFrame(const Double3& position, const Double3& w, const Light& light) {
   EmissionFrame f;
   f.point = true;
+  f.cone = coneOf(light);
   f.origin = position;
   f.strength = {light.intensity[0], light.intensity[1], light.intensity[2]};
   buildFrame(f, w);
@@ -96,8 +137,9 @@ EmissionFrame pointFrame(const Double3& position, const Double3& w, const Light&
 
 std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Domain& domain,
                                        const PhotonOptions& options) {
-  if (!allFinite(light.position)) refuse(light, number, "position must be finite");
+  if (!allFinite(light.position)) refuseLight(light, number, "position must be finite");
   checkPower(light, number, light.intensity, "intensity");
+  checkCone(light, number);
   const Double3 position = toGrid(domain, light.position);
   const Double3 dims(domain.dims[0], domain.dims[1], domain.dims[2]);
   const Double3 towards = dims * 0.5 - position;
@@ -116,9 +158,9 @@ std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Dom
     });
     if (fits && std::max({-bounds.u0, bounds.u1, -bounds.v0, bounds.v1}) < kWidest) {
       const kernels::Int3 box{domain.dims[0], domain.dims[1], domain.dims[2]};
+      if (isBehind(f, light)) return {};
       f.depth0 = std::max(0.0, kernels::clipToBox(box, position, f.axisW).entry);
-      setRaster(f, bounds, options.grid[0], options.grid[1]);
-      return {f};
+      return withRaster(f, clippedToCone(bounds, f, light), options.grid[0], options.grid[1]);
     }
   }
   // As many photons in all, shared between the six faces of a cube around the light.
@@ -128,22 +170,35 @@ std::vector<EmissionFrame> pointFrames(const Light& light, int number, const Dom
     for (const double sign : {-1.0, 1.0}) {
       EmissionFrame f = pointFrame(position, {axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0}, light);
       f.cubeFace = true;
-      setRaster(f, {-1, 1, -1, 1}, std::max(1, int(std::ceil(options.grid[0] * share))),
-                std::max(1, int(std::ceil(options.grid[1] * share))));
-      frames.push_back(f);
+      if (isBehind(f, light)) continue;
+      for (const EmissionFrame& face :
+           withRaster(f, clippedToCone({-1, 1, -1, 1}, f, light), std::max(1, int(std::ceil(options.grid[0] * share))),
+                      std::max(1, int(std::ceil(options.grid[1] * share)))))
+        frames.push_back(face);
     }
   return frames;
 }
 
 } // namespace
 
+void refuseLight(const Light& light, int number, const std::string& what) {
+  const std::string name = light.name.empty() ? "" : " (" + light.name + ")";
+  throw Error(ErrorKind::Usage, "lights[" + std::to_string(number) + "]" + name + ": " + what);
+}
+
+kernels::Cone coneOf(const Light& light) {
+  if (light.type != LightType::Spot) return {};
+  const double inner = std::cos(light.innerAngle * kDegree), outer = std::cos(light.outerAngle * kDegree);
+  const double scale = 1 / std::max(inner - outer, 1e-6); // an edge that single precision still resolves
+  return {kernels::Float3(normalize(toDouble3(light.direction))), static_cast<float>(scale),
+          static_cast<float>(-outer * scale)};
+}
+
 std::vector<EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain,
                                           const PhotonOptions& options, std::uint64_t seed) {
-  std::vector<EmissionFrame> frames;
-  if (light.type == LightType::Directional)
-    frames.push_back(parallelFrame(light, number, domain, options));
-  else
-    frames = pointFrames(light, number, domain, options);
+  std::vector<EmissionFrame> frames = light.type == LightType::Directional
+                                          ? parallelFrames(light, number, domain, options)
+                                          : pointFrames(light, number, domain, options);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].jitter = options.jitter;
     frames[i].seed = seed * 1000003u + static_cast<std::uint64_t>(number) * 8 + i;

@@ -4,12 +4,20 @@
 #include "kernels/emission.h"
 #include "volcaustic/photons.h"
 
+#include <string>
 #include <vector>
 
 namespace volcaustic {
 
+/// \throws Error(Usage) "lights[number] (name): what"
+[[noreturn]] void refuseLight(const Light& light, int number, const std::string& what);
+
+/// The cone of a light; a sphere for those that are no spots.
+kernels::Cone coneOf(const Light& light);
+
 /// The rasters of a light: one for parallel light and for a point outside the box that sees it under a moderate angle,
-/// the six faces of a cube for a point inside or close by. `light` numbers the light, so that jitter differs between
+/// the six faces of a cube for a point inside or close by. Those of a spot end where its cone does; it has none where
+/// that misses the box. `light` numbers the light, so that jitter differs between
 /// lights. \throws Error(Usage) "lights[i]: ..." for directions, positions and powers that make no sense.
 std::vector<kernels::EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain,
                                                    const PhotonOptions& options, std::uint64_t seed);

@@ -10,6 +10,7 @@
 #include "transport/march_rules.h"
 #include "transport/passes.h"
 #include "transport/reach.h"
+#include "transport/soft_lights.h"
 #include "transport/tracers.h"
 #include "volcaustic/error.h"
 #include "volume/radiance_bricks.h"
@@ -28,7 +29,7 @@ using kernels::EmissionFrame;
 using kernels::Outcome;
 
 struct NumberedFrame {
-  int light;
+  int light; ///< among the parts
   EmissionFrame frame;
 };
 
@@ -51,7 +52,7 @@ FixedPoint fixedPoint(std::span<const NumberedFrame> frames) {
 
 class PhotonPass {
 public:
-  PhotonPass(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
+  PhotonPass(const Medium& medium, const FlatMediumStorage& flat, std::span<const LightPart> lights,
              const PhotonOptions& options, const RunContext& ctx, std::shared_ptr<TracerState> state)
       : mMedium(medium)
       , mLights(lights)
@@ -60,7 +61,7 @@ public:
       , mFlat(flat)
       , mFrames(allFrames())
       , mScale(fixedPoint(mFrames))
-      , mTracer(makeTracer({flat.view(), rules(), mScale}, tracerContext(), std::move(state)))
+      , mTracer(makeTracer({flat.view(), rules(), mScale, flat.onDevice}, tracerContext(), std::move(state)))
       , mDirect(flat, medium.domain(), lights, ctx) {}
 
   PhotonResult run() {
@@ -71,11 +72,20 @@ public:
 private:
   [[nodiscard]] std::vector<NumberedFrame> allFrames() const {
     std::vector<NumberedFrame> frames;
-    for (std::size_t i = 0; i < mLights.size(); ++i)
+    for (std::size_t i = 0; i < mLights.size(); ++i) {
+      const auto& [light, number, part] = mLights[i];
+      PhotonOptions share = mOptions;
+      for (int& side : share.grid) // of a soft light's photons
+        side = std::max(1, static_cast<int>(std::lround(side / std::sqrt(partsOfLight(number)))));
       for (const EmissionFrame& f :
-           emissionFrames(mLights[i], static_cast<int>(i), mMedium.domain(), mOptions, mCtx.seed))
+           emissionFrames(light, number, mMedium.domain(), share, mCtx.seed + part * 0x9e3779b9u))
         frames.push_back({static_cast<int>(i), f});
+    }
     return frames;
+  }
+  [[nodiscard]] double partsOfLight(int number) const {
+    return static_cast<double>(
+        std::count_if(mLights.begin(), mLights.end(), [number](const LightPart& p) { return p.number == number; }));
   }
 
   /// Raster by raster, each in strips of rows: what a tracer keeps for its photons stays small, and a run of hours can
@@ -175,7 +185,7 @@ private:
   }
 
   const Medium& mMedium;
-  std::span<const Light> mLights;
+  std::span<const LightPart> mLights;
   const PhotonOptions& mOptions;
   const RunContext& mCtx;
   const FlatMediumStorage& mFlat;
@@ -212,7 +222,8 @@ double EnergyBalance::relativeImbalance() const {
 PhotonResult tracePhotons(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
                           const PhotonOptions& options, const RunContext& ctx, std::shared_ptr<TracerState> state) {
   check(options);
-  return PhotonPass(medium, flat, lights, options, ctx, std::move(state)).run();
+  const std::vector<LightPart> parts = partsOf(lights);
+  return PhotonPass(medium, flat, parts, options, ctx, std::move(state)).run();
 }
 
 PhotonResult tracePhotons(const Medium& medium, std::span<const Light> lights, const StepFieldOptions& stepField,

@@ -18,5 +18,14 @@ inline Light lamp(const Vec3d& position, const Rgb& intensity = {100, 50, 200}) 
   light.intensity = intensity;
   return light;
 }
+inline Light spot(const Vec3d& position, const Vec3d& axis, double inner, double outer,
+                  const Rgb& intensity = {100, 50, 200}) {
+  Light light = lamp(position, intensity);
+  light.type = LightType::Spot;
+  light.direction = axis;
+  light.innerAngle = inner;
+  light.outerAngle = outer;
+  return light;
+}
 
 } // namespace volcaustic::test

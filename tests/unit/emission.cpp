@@ -254,7 +254,7 @@ Book bookOf(const Bends& bends, const EmissionFrame& frame, const std::vector<fl
     if (frame.point) s.in = std::max(s.in, 0.0);
     if (!(s.out > s.in)) continue;
     const auto column = static_cast<int>(cell % frame.columns), row = static_cast<int>(cell / frame.columns);
-    const Double3 power = frame.powerOf(column, row, column + 1, row + 1);
+    const Double3 power = frame.power(std::int64_t{row} * frame.columns + column);
     book.emitted += power;
     ++book.seen;
     if (entry[cell] == kernels::kNeverBends) continue;
@@ -268,7 +268,8 @@ TEST_P(EmissionOf, BooksAllLightOnce) {
   for (const bool fog : {false, true})
     for (const bool jitter : {false, true})
       for (const Light& light :
-           {sun({0, 0, -1}), sun({.4, .2, -1}), lamp({20, 18, 150}), lamp({50, 40, 60}), lamp({20, 12, 32})}) {
+           {sun({0, 0, -1}), sun({.4, .2, -1}), lamp({20, 18, 150}), lamp({50, 40, 60}), lamp({20, 12, 32}),
+            spot({20, 18, 150}, {.02, 0, -1}, 5, 12), spot({20, 12, 32}, {1, .3, -.2}, 20, 80)}) {
         Bends bends = scattered({45, 37, 58}, 7);
         if (fog) bends.flat.optics[0] = {{.02f, .01f, 0}, {.015f, .01f, 0}, 0};
         for (const EmissionFrame& frame : framesOf(bends, light, 130, 101, jitter)) {
@@ -278,16 +279,18 @@ TEST_P(EmissionOf, BooksAllLightOnce) {
           EXPECT_NEAR(double(e.tally.counts[int(Counter::Emitted)]), double(book.seen), 2);
           EXPECT_EQ(e.tally.counts[int(Counter::Traced)], book.bending);
           for (int c = 0; c < 3; ++c) {
-            const double emitted = book.emitted[c] * kUnit,
-                         all = 1e-6 * emitted + double(frame.cells()) +
+            // The ramp of a narrow cone loses digits of its cosines.
+            const double emitted = book.emitted[c] * kUnit, slack = frame.cone.isSphere() ? 0 : 1e-5 * emitted,
+                         all = 1e-6 * emitted + slack + double(frame.cells()) +
                                2 * kernels::maxComponent(frame.power(0)) * kUnit * (e.tally.counts[0] != book.seen);
             EXPECT_NEAR(e.power(Outcome::Emitted, c), emitted, all);
             const double absorbed = e.power(Outcome::Absorbed, c), scattered = e.power(Outcome::Scattered, c);
             EXPECT_NEAR(absorbed + scattered + e.power(Outcome::Escaped, c) + book.carriedOn[c] * kUnit,
-                        e.power(Outcome::Emitted, c), (fog ? 1e-5 : 2e-7) * emitted + 4 * double(frame.cells()));
+                        e.power(Outcome::Emitted, c),
+                        (fog ? 1e-5 : 2e-7) * emitted + slack + 4 * double(frame.cells()));
             const double albedo[3] = {.75, 1, 0};
             EXPECT_NEAR(scattered, albedo[c] * (absorbed + scattered), 1e-5 * emitted);
-            EXPECT_EQ(scattered > 0, fog && c < 2);
+            EXPECT_EQ(scattered > 0, fog && c < 2 && emitted > 0);
           }
         }
       }
@@ -295,7 +298,8 @@ TEST_P(EmissionOf, BooksAllLightOnce) {
 
 TEST_P(EmissionOf, GivesTheSameBitsForAnyThreadsAndRows) {
   for (const bool fog : {false, true})
-    for (const Light& light : {sun({.4, .2, -1}), lamp({20, 18, 150}), lamp({20, 12, 32})}) {
+    for (const Light& light :
+         {sun({.4, .2, -1}), lamp({20, 18, 150}), lamp({20, 12, 32}), spot({20, 18, 150}, {0, .03, -1}, 3, 12)}) {
       Bends bends = scattered({45, 37, 58}, 9);
       if (fog) bends.flat.optics[0] = {{.02f, .01f, 0}, {.015f, .01f, 0}, 0};
       for (const EmissionFrame& frame : framesOf(bends, light, 133, 117, true)) {

@@ -18,17 +18,26 @@ namespace volcaustic {
 
 enum class LightType {
   Directional, ///< parallel light of a given irradiance
-  Point        ///< equal intensity in all directions
+  Point,       ///< equal intensity in all directions
+  Spot         ///< a point light that shines into a cone
 };
 
 struct Light {
   std::string name;
   LightType type = LightType::Directional;
-  Vec3d direction{0, 0, -1}; ///< propagation, world space, any length; directional lights
+  Vec3d direction{0, 0, -1}; ///< world space, any length: propagation of directional light, axis of a spot
   Rgb irradiance{1, 1, 1};   ///< W/m2 on a plane that faces the light; directional lights
-  Vec3d position{0, 0, 2};   ///< world space; point lights
-  Rgb intensity{1, 1, 1};    ///< W/sr; point lights
+  Vec3d position{0, 0, 2};   ///< world space; point lights and spots
+  Rgb intensity{1, 1, 1};    ///< W/sr; point lights, and spots on their axis
+  double outerAngle = 30;    ///< half the opening angle of a spot's cone, degrees, above 0 and at most 90
+  double innerAngle = 20;    ///< within this angle of the axis a spot has its whole intensity; at most the outer one
+  /// Angular diameter of a directional light's disc in the sky, degrees (the sun's is 0.53); 0 gives sharp shadows.
+  double angle = 0;
+  /// Of the ball that a point light or spot is, world; it looks evenly bright from everywhere. 0 gives sharp shadows.
+  double radius = 0;
+  int samples = 16; ///< sharp lights that stand for one with an angle or a radius; they share its photons
 };
+inline constexpr int kMostLightSamples = 1024;
 
 /// How a photon is carried along d/ds(n dx/ds) = grad n.
 enum class Scheme {

@@ -1,0 +1,91 @@
+#include "transport/soft_lights.h"
+
+#include "kernels/vec.h"
+#include "transport/emission.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace volcaustic {
+
+namespace {
+
+using kernels::cross;
+using kernels::Double3;
+using kernels::normalize;
+
+constexpr double kPi = 3.14159265358979323846;
+
+Vec3d toVec3d(const Double3& v) { return {v.x, v.y, v.z}; }
+Double3 toDouble3(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+
+/// Part `i` of `count` directions of a disc of the given angular diameter, evenly by solid angle: a sunflower (Vogel
+/// 1979).
+Vec3d directionOf(const Light& light, int i, int count) {
+  const Double3 axis = normalize(toDouble3(light.direction));
+  const Double3 side = std::abs(axis.x) < 0.6 ? Double3(1, 0, 0) : Double3(0, 1, 0);
+  const Double3 u = normalize(cross(side, axis)), v = cross(axis, u);
+  const double share = (i + 0.5) / count, golden = kPi * (3 - std::sqrt(5.0));
+  const double cosine = 1 - share * (1 - std::cos(0.5 * light.angle * kPi / 180)),
+               sine = std::sqrt(1 - cosine * cosine);
+  return toVec3d(axis * cosine + u * (sine * std::cos(i * golden)) + v * (sine * std::sin(i * golden)));
+}
+
+/// The share of a ball's light within sin(psi) of its radius is (psi - sin psi cos psi) / (pi/2); its inverse.
+double polarOf(double share) {
+  double low = 0, high = 0.5 * kPi;
+  for (int i = 0; i < 50; ++i) {
+    const double psi = 0.5 * (low + high);
+    (psi - std::sin(psi) * std::cos(psi) < 0.5 * kPi * share ? low : high) = psi;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Part `i` of the points of a ball. Emitters that shine alike in all directions, with a density of
+/// 1 / sqrt(R^2 - r^2), look like an evenly bright disc from every side: that density, summed along a chord, is pi
+/// whatever the chord. Their places follow the additive recurrence of the plastic-number family in three dimensions
+/// (Roberts 2018), which fills space evenly for any number of them.
+Vec3d placeOf(const Light& light, int i) {
+  constexpr double kRatio = 1.2207440846057596; // x^4 = x + 1
+  const auto fraction = [i](double step) {
+    const double t = 0.5 + (i + 1) * step;
+    return t - std::floor(t);
+  };
+  const double r = light.radius * std::sin(polarOf(fraction(1 / kRatio)));
+  const double z = 2 * fraction(1 / (kRatio * kRatio)) - 1, phi = 2 * kPi * fraction(1 / (kRatio * kRatio * kRatio));
+  const double across = std::sqrt(1 - z * z);
+  return {light.position[0] + r * across * std::cos(phi), light.position[1] + r * across * std::sin(phi),
+          light.position[2] + r * z};
+}
+
+void check(const Light& light, int number) {
+  if (!(light.angle >= 0 && light.angle <= 90)) refuseLight(light, number, "angle must be in 0 to 90 degrees");
+  if (!(light.radius >= 0) || !std::isfinite(light.radius))
+    refuseLight(light, number, "radius must be finite and not negative");
+  if (light.samples < 1 || light.samples > kMostLightSamples)
+    refuseLight(light, number, "samples must be in 1 to " + std::to_string(kMostLightSamples));
+}
+
+} // namespace
+
+std::vector<LightPart> partsOf(std::span<const Light> lights) {
+  std::vector<LightPart> parts;
+  for (int n = 0; n < static_cast<int>(lights.size()); ++n) {
+    const Light& light = lights[n];
+    check(light, n);
+    const bool sky = light.type == LightType::Directional, soft = sky ? light.angle > 0 : light.radius > 0;
+    const int count = soft ? light.samples : 1;
+    for (int i = 0; i < count; ++i) {
+      LightPart part{light, n, i};
+      part.light.angle = part.light.radius = 0;
+      for (double& c : part.light.irradiance) c /= count;
+      for (double& c : part.light.intensity) c /= count;
+      if (soft && sky) part.light.direction = directionOf(light, i, count);
+      if (soft && !sky) part.light.position = placeOf(light, i);
+      parts.push_back(std::move(part));
+    }
+  }
+  return parts;
+}
+
+} // namespace volcaustic
