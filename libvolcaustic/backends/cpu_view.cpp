@@ -1,34 +1,56 @@
-// The camera pass on this machine's cores: oneTBB over blocks of the picture, lanes inside.
+// The camera pass on this machine's cores: oneTBB over tiles of the picture, lanes inside.
 
-#include "backends/cpu_view.h"
-
+#include "backends/view_tracer.h"
 #include "core/parallel.h"
 
 #include <vector>
 
 namespace volcaustic {
 
-ViewCounts viewOnCpu(const kernels::ViewScene& scene, const kernels::PixelPlanes& planes, const LaneSet& lanes,
-                     const RunContext& ctx) {
-  const auto blocks = [](std::int64_t pixels) { return (pixels + kViewBlock - 1) / kViewBlock; };
-  const std::int64_t columns = blocks(scene.camera.width);
-  std::vector<ViewCounts> counts(threadCount(ctx));
-  parallelFor(
-      columns * blocks(scene.camera.height), 1, ctx,
-      [&](std::int64_t begin, std::int64_t end, int slot) {
-        for (std::int64_t b = begin; b < end; ++b)
-          lanes.view({scene, planes, static_cast<std::int32_t>(b % columns * kViewBlock),
-                      static_cast<std::int32_t>(b / columns * kViewBlock)},
-                     counts[slot]);
-      },
-      "view");
-  ViewCounts total;
-  for (const ViewCounts& c : counts) {
-    total.steps += c.steps;
-    total.notFinite += c.notFinite;
-    total.stepLimit += c.stepLimit;
+namespace {
+
+class CpuViewer final : public ViewTracer {
+public:
+  CpuViewer(const kernels::ViewScene& scene, const kernels::PixelPlanes& planes, const LaneSet& lanes,
+            const RunContext& ctx)
+      : mScene(scene), mPlanes(planes), mLanes(lanes), mCtx(ctx) {
+    for (int i = 0; i < threadCount(ctx); ++i) mScratch.push_back(std::make_unique_for_overwrite<ViewScratch>());
   }
-  return total;
+
+  ViewCounts add(const ViewPass& pass) override {
+    const std::int32_t columns = (mScene.camera.width + kViewTile - 1) / kViewTile;
+    std::vector<ViewCounts> counts(mScratch.size());
+    parallelFor(
+        static_cast<std::int64_t>(pass.tiles.size()), 1, mCtx,
+        [&](std::int64_t begin, std::int64_t end, int slot) {
+          for (std::int64_t i = begin; i < end; ++i)
+            mLanes.view({mScene, mPlanes, pass.tiles[i] % columns * kViewTile, pass.tiles[i] / columns * kViewTile,
+                         pass.firstSample, pass.endSample, *mScratch[slot]},
+                        counts[slot]);
+        },
+        "view");
+    ViewCounts total;
+    for (const ViewCounts& c : counts) {
+      total.steps += c.steps;
+      total.notFinite += c.notFinite;
+      total.stepLimit += c.stepLimit;
+    }
+    return total;
+  }
+
+private:
+  const kernels::ViewScene mScene;
+  const kernels::PixelPlanes mPlanes;
+  const LaneSet& mLanes;
+  const RunContext mCtx;
+  std::vector<std::unique_ptr<ViewScratch>> mScratch;
+};
+
+} // namespace
+
+std::unique_ptr<ViewTracer> makeCpuViewer(const kernels::ViewScene& scene, const kernels::PixelPlanes& planes,
+                                          const LaneSet& lanes, const RunContext& ctx) {
+  return std::make_unique<CpuViewer>(scene, planes, lanes, ctx);
 }
 
 } // namespace volcaustic

@@ -23,6 +23,9 @@ namespace volcaustic {
                    float* sums);                                                                                       \
   std::uint64_t finishBlock(const kernels::LightSums<std::int32_t>& sums, kernels::FluenceVoxel* const* bricks);       \
   void finishBrick(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out);                                 \
+  void addCorners(const kernels::FluenceField& field, const std::int32_t (&entries)[8], const CornerVoxels& voxels,    \
+                  bool directions, CornerLight& light);                                                                \
+  std::int32_t packCorners(const CornerLight& light, kernels::HalfVoxel* out);                                         \
   void view(const ViewTask& task, ViewCounts& counts);                                                                 \
   void crossRows(const RowsTask& task, RowPages& pages);                                                               \
   int sweepRows32(const RowSweep<std::uint32_t>& sweep);                                                               \
@@ -95,11 +98,35 @@ struct CountingSink {
 };
 void viewOneByOne(const ViewTask& task, ViewCounts& counts) {
   CountingSink sink{counts};
-  const kernels::ViewBody<CountingSink> body{task.scene, task.planes};
+  const kernels::ViewBody<CountingSink> body{task.scene, task.planes, task.firstSample, task.endSample};
   const kernels::CameraFrame& camera = task.scene.camera;
-  for (std::int32_t r = task.row; r < std::min(task.row + kViewBlock, camera.height); ++r)
-    for (std::int32_t c = task.column; c < std::min(task.column + kViewBlock, camera.width); ++c)
+  for (std::int32_t r = task.row; r < std::min(task.row + kViewTile, camera.height); ++r)
+    for (std::int32_t c = task.column; c < std::min(task.column + kViewTile, camera.width); ++c)
       body(std::int64_t{r} * camera.width + c, sink);
+}
+
+void addCornersOneByOne(const kernels::FluenceField& field, const std::int32_t (&entries)[8],
+                        const CornerVoxels& voxels, bool directions, CornerLight& light) {
+  for (int k = 0; k < kernels::kFieldVoxels; ++k) {
+    const std::int32_t entry = entries[voxels.brick[k]];
+    if (entry == 0) continue;
+    const kernels::Light l =
+        kernels::unpack(entry < 0 ? field.constants[~entry]
+                                  : field.voxels[(entry - 1) * std::int64_t{kernels::kStepVoxels} + voxels.offset[k]]);
+    for (int i = 0; i < 3; ++i) light.of[i][k] += directions ? l.towards[i] : l.fluence[i];
+  }
+}
+std::int32_t packCornersOneByOne(const CornerLight& light, kernels::HalfVoxel* out) {
+  float most = 0;
+  for (const auto& part : light.of)
+    for (int k = 0; k < kernels::kFieldVoxels; ++k) most = std::max(most, std::abs(part[k]));
+  const std::int32_t unit = kernels::textureUnitFor(most);
+  if (unit == 0) return 0;
+  const float scale = kernels::inverseOfUnit(unit);
+  for (int k = 0; k < kernels::kFieldVoxels; ++k)
+    out[k] = {kernels::halfOf(light.of[0][k] * scale), kernels::halfOf(light.of[1][k] * scale),
+              kernels::halfOf(light.of[2][k] * scale), 0};
+  return unit;
 }
 
 std::vector<LaneSet> findLaneSets() {
@@ -109,15 +136,15 @@ std::vector<LaneSet> findLaneSets() {
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
     sets.push_back({"avx512", 16, avx512::emitTileRow, avx512::tracePhotons, avx512::rasterise, avx512::litLengths,
                     avx512::lightAround, avx512::finishBlock, avx512::finishBrick, avx512::view, avx512::crossRows,
-                    avx512::sweepRows32, avx512::sweepRows64});
+                    avx512::sweepRows32, avx512::sweepRows64, avx512::addCorners, avx512::packCorners});
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
     sets.push_back({"avx2", 8, avx2::emitTileRow, avx2::tracePhotons, avx2::rasterise, avx2::litLengths,
                     avx2::lightAround, avx2::finishBlock, avx2::finishBrick, avx2::view, avx2::crossRows,
-                    avx2::sweepRows32, avx2::sweepRows64});
+                    avx2::sweepRows32, avx2::sweepRows64, avx2::addCorners, avx2::packCorners});
 #endif
   sets.push_back({"scalar", 1, emitOneByOne, traceOneByOne, nullptr, litOneByOne, lightAroundOneByOne,
                   finishBlockOneByOne, finishBrickOneByOne, viewOneByOne, crossRowsOneByOne, sweepRowsOneByOne,
-                  sweepRowsOneByOne});
+                  sweepRowsOneByOne, addCornersOneByOne, packCornersOneByOne});
   return sets;
 }
 

@@ -64,15 +64,35 @@ struct PhotonTask {
   std::int64_t count;
 };
 
-/// Pixels of a picture: those of kViewBlock x kViewBlock from a corner on, as many as there are.
-inline constexpr int kViewBlock = 32;
+/// Samples of the pixels of a tile: kViewTile x kViewTile from a corner on, as many as there are.
+inline constexpr int kViewTile = 32, kTilePixels = kViewTile * kViewTile;
+/// A worker's room for a tile: the planes of one sample, and rays that are not at their end yet.
+struct ViewScratch {
+  alignas(64) float planes[kernels::kPixelPlanes][kTilePixels];
+  alignas(64) std::int32_t rays[kernels::kViewRayNumbers][kTilePixels]; ///< numbers of any type
+  alignas(64) std::int32_t pixels[kTilePixels];                         ///< of the rays, in the tile
+};
 struct ViewTask {
   const kernels::ViewScene& scene;
   const kernels::PixelPlanes& planes;
   std::int32_t column, row;
+  std::int32_t firstSample, endSample;
+  ViewScratch& scratch;
 };
 struct ViewCounts {
   std::int64_t steps = 0, notFinite = 0, stepLimit = 0;
+};
+
+/// Light at the corners of a brick's cells (view_light.h): three numbers of 9x9x9 voxels, z fastest, and room for a
+/// register beyond them.
+inline constexpr int kCornersPadded = 752;
+struct CornerLight {
+  alignas(64) float of[3][kCornersPadded];
+};
+/// The voxels of a brick and of one more layer on its high sides: `brick` is one of eight (x: 4, y: 2, z: 1), `offset`
+/// is in it.
+struct CornerVoxels {
+  alignas(64) std::int32_t brick[kCornersPadded], offset[kCornersPadded];
 };
 
 struct RowsTask;
@@ -105,7 +125,7 @@ struct LaneSet {
   /// kernels::finishBricks on a block, of 4x4x4 bricks, and on a brick.
   std::uint64_t (*finishBlock)(const kernels::LightSums<std::int32_t>& sums, kernels::FluenceVoxel* const* bricks);
   void (*finishBrick)(const kernels::LightSums<float>& sums, kernels::FluenceVoxel* out);
-  /// Writes the task's pixels into the planes.
+  /// Adds the task's samples to the planes.
   void (*view)(const ViewTask& task, ViewCounts& counts);
   /// Adds the crossings of the task's triangles with the rows of its column to the pages (row_pages.h).
   void (*crossRows)(const RowsTask& task, RowPages& pages);
@@ -113,6 +133,11 @@ struct LaneSet {
   /// rows are written to `irregular`, which grows, and their winding numbers left alone. \return how many there are
   int (*sweepRows32)(const RowSweep<std::uint32_t>& sweep);
   int (*sweepRows64)(const RowSweep<std::uint64_t>& sweep);
+  /// Adds the light of voxels, whose eight bricks have these entries in the field: fluence, or directions.
+  void (*addCorners)(const kernels::FluenceField& field, const std::int32_t (&entries)[8], const CornerVoxels& voxels,
+                     bool directions, CornerLight& light);
+  /// Writes light as halves. \return their unit's bits (kernels::textureUnit), 0 where all is dark
+  std::int32_t (*packCorners)(const CornerLight& light, kernels::HalfVoxel* out);
 };
 
 /// Those that this processor has, the widest first; "scalar", one photon at a time, is the last and the reference.

@@ -1,10 +1,11 @@
 // The camera pass, written over lanes: curved rays through medium and light, a pixel a lane.
 #pragma once
 
-#include "kernels/lamp.h"
+#include "kernels/camera.h"
 #include "kernels/photon.h"
-
-#include <limits>
+#include "kernels/pixel_filter.h"
+#include "kernels/pixel_planes.h"
+#include "kernels/view_light.h"
 
 namespace volcaustic::kernels {
 
@@ -38,106 +39,44 @@ VOLCAUSTIC_HD inline Vec3<F> meanTransmittance(const Vec3<F>& t) {
   return {meanTransmittance(t.x), meanTransmittance(t.y), meanTransmittance(t.z)};
 }
 
-/// A ray of the camera where it meets the box, or its own start where that is inside.
-template <class F>
-struct CameraRay {
-  Vec3<F> start, direction;
-  F distance;     ///< to the start
-  MaskOf<F> hits; ///< whether there is a way through the box
-};
-
-/// A pinhole in grid space: the direction through the raster point (u, v) in [0, 1]^2, v down, is corner + u right + v
-/// down.
-struct CameraFrame {
-  Double3 origin, corner, right, down;
-  std::int32_t width = 0, height = 0;
-
-  /// Through the point (column, row) of the raster, in pixels.
-  template <class F>
-  [[nodiscard]] VOLCAUSTIC_HD CameraRay<F> ray(const Int3& dims, const DoubleOf<F>& column,
-                                               const DoubleOf<F>& row) const {
-    using D = DoubleOf<F>;
-    const auto vec = [](const Double3& a) { return Vec3<D>(D(a.x), D(a.y), D(a.z)); };
-    const Vec3<D> o = vec(origin),
-                  towards = vec(corner) + vec(right) * (column * D(1.0 / width)) + vec(down) * (row * D(1.0 / height));
-    const Vec3<D> d = towards * reciprocal(squareRoot(dot(towards, towards)));
-    D entry(0), exit(1e300);
-    const auto axis = [&](D oa, D da, std::int32_t dim) {
-      const D inverse = reciprocal(awayFromZero(da)), t0 = (D(0) - oa) * inverse, t1 = (D(dim) - oa) * inverse;
-      entry = larger(entry, smaller(t0, t1));
-      exit = smaller(exit, larger(t0, t1));
-    };
-    axis(o.x, d.x, dims.x);
-    axis(o.y, d.y, dims.y);
-    axis(o.z, d.z, dims.z);
-    const Vec3<D> start = o + d * entry;
-    return {{narrow(start.x), narrow(start.y), narrow(start.z)},
-            {narrow(d.x), narrow(d.y), narrow(d.z)},
-            narrow(entry),
-            narrow(exit - entry) > F(0)};
-  }
-};
-
 struct ViewRules {
   MarchRules march;
   float step = 1;
-  std::int32_t samples = 1;
   std::int32_t maxSteps = 20000;
   float cameraIndex = 1;  ///< n at the camera
   float ambientIndex = 1; ///< n beyond the box
   Float3 up, top, bottom; ///< background: a gradient along the unit vector `up`
 };
 
+/// What a brick holds for rays of the camera, in the low bits of ViewPlan::bricks.
+inline constexpr std::int32_t kPlanBusy = 1; ///< light may bend in it, or its optics change; it has voxels
+inline constexpr std::int32_t kPlanFine = 2; ///< scatters light that varies from voxel to voxel
+inline constexpr std::int32_t kPlanLit = 4;  ///< scatters light
+/// The other bits: a busy brick's slot in ViewPlan::voxels, or the entry in FlatMedium::optics of one that is not busy.
+inline constexpr int kPlanShift = 3;
+
+/// Where rays have to look closely.
+struct ViewPlan {
+  const std::int32_t* bricks = nullptr;
+  /// 512 for each busy brick, z fastest: a step byte (flat_medium.h), and above its eight bits an entry of
+  /// FlatMedium::optics.
+  const std::int32_t* voxels = nullptr;
+  GridBox box; ///< beyond it a ray meets nothing
+};
+
 /// All that a pixel depends on.
 struct ViewScene {
   FlatMedium medium;
-  DirectField directLight;
-  FluenceField causticLight;
+  ViewLight light;
+  ViewPlan plan;
   CameraFrame camera;
   ViewRules rules;
+  PixelSampler sampler;
 };
 
-/// What a pixel is made of; radiance in W/(m2 sr), depth in voxels.
-template <class F>
-struct PixelSumOf {
-  Vec3<F> caustic{F(0), F(0), F(0)}, direct{F(0), F(0), F(0)}, background{F(0), F(0), F(0)},
-      transmittance{F(0), F(0), F(0)};
-  F depth{3.0e38f};
-  F steps{0};
-};
-using PixelSum = PixelSumOf<float>;
-
-/// The layers of a picture, each a plane of as many numbers as there are pixels: R G B of the whole, opacity, R G B of
-/// caustic, direct, background and transmittance, depth, steps.
-inline constexpr int kPixelPlanes = 18;
-struct PixelPlanes {
-  float* of[kPixelPlanes];
-  float voxelSize = 1;
-
-  /// Calls put(plane, value) for each.
-  template <class F, class Put>
-  VOLCAUSTIC_HD void forEach(const PixelSumOf<F>& p, const Put& put) const {
-    int plane = 0;
-    const auto putRgb = [&](const Vec3<F>& v) {
-      put(plane++, v.x);
-      put(plane++, v.y);
-      put(plane++, v.z);
-    };
-    putRgb(p.caustic + p.direct + p.background);
-    put(plane++, F(1) - (p.transmittance.x + p.transmittance.y + p.transmittance.z) * F(1 / 3.0f));
-    putRgb(p.caustic);
-    putRgb(p.direct);
-    putRgb(p.background);
-    putRgb(p.transmittance);
-    put(plane++, select(p.depth < F(1e38f), p.depth * F(voxelSize), F(std::numeric_limits<float>::infinity())));
-    put(plane++, p.steps);
-  }
-};
-
-/// What became of a pixel's ray.
+/// What became of rays.
 template <class F>
 struct RayEnd {
-  IntOf<F> steps;
   MaskOf<F> notFinite, stepLimit;
 };
 
@@ -146,17 +85,35 @@ template <class F>
 struct ViewRay {
   RayOf<F> ray;
   Vec3<F> transmitted{F(1), F(1), F(1)}, caustic{F(0), F(0), F(0)}, direct{F(0), F(0), F(0)};
-  F travelled, depth{3.0e38f};
+  F travelled{0}, depth{3.0e38f};
   IntOf<F> steps{0};
-  /// The way ahead through bricks in which nothing bends and all is the ambient medium, as far as it is known.
+  /// The way ahead through a brick that is not busy, 0 where none is known; the plan's word for the brick; and the way
+  /// ahead through the plan's box.
   F clear{0};
+  IntOf<F> plan{0};
+  F box{0};
   /// The optics of the last step, and what stands in the table for them.
   IntOf<F> optics{-1};
   Vec3<F> attenuation{F(0), F(0), F(0)}, scattering{F(0), F(0), F(0)};
   F asymmetry{0};
-};
 
-/// The march of rays through the box.
+  /// Calls visit(i, number) for each number of it.
+  template <class Visit>
+  VOLCAUSTIC_HD void forEach(const Visit& visit) {
+    int i = 0;
+    for (Vec3<F>* v : {&ray.x, &ray.v, &transmitted, &caustic, &direct, &attenuation, &scattering}) {
+      visit(i++, v->x);
+      visit(i++, v->y);
+      visit(i++, v->z);
+    }
+    for (F* v : {&travelled, &depth, &clear, &box, &asymmetry}) visit(i++, *v);
+    for (IntOf<F>* v : {&steps, &plan, &optics}) visit(i++, *v);
+  }
+};
+inline constexpr int kViewRayNumbers = 29;
+
+/// The march of rays through the box. What a lane does depends on no other lane, so rays may be put together as is
+/// convenient.
 template <class F>
 class ViewMarch {
 public:
@@ -166,11 +123,11 @@ public:
   VOLCAUSTIC_HD explicit ViewMarch(const ViewScene& scene)
       : mScene(scene), mMedium(scene.medium), mFog(maxComponent(scene.medium.optics[0].scattering) > 0) {}
 
-  /// Carries the rays `alive` to where they leave the box, or end; the others must be finite.
-  VOLCAUSTIC_HD RayEnd<F> run(ViewRay<F>& r, M alive) const {
-    RayEnd<F> end{I(0), negate(alive), negate(alive)};
-    end.notFinite = end.stepLimit = both(alive, negate(alive));
-    while (any(alive)) {
+  /// Carries the rays `alive` on as long as goesOn(those left) says, at most to where they leave the box, or end; the
+  /// others must be finite. \return those left
+  template <class GoesOn>
+  VOLCAUSTIC_HD M run(ViewRay<F>& r, M alive, RayEnd<F>& end, const GoesOn& goesOn) const {
+    while (any(alive) && goesOn(alive)) {
       const Step s = step(r, alive);
       end.notFinite = either(end.notFinite, s.notFinite);
       const M over = either(either(s.leaves, s.notFinite), maxComponent(r.transmitted) < F(1e-5f));
@@ -179,181 +136,223 @@ public:
       end.stepLimit = either(end.stepLimit, limit);
       alive = both(alive, negate(limit));
     }
-    end.steps = r.steps;
-    return end;
+    return alive;
   }
 
 private:
+  /// What a step did, and where.
   struct Step {
+    RayOf<F> to;
+    F length;  ///< of the chord
+    I optics;  ///< at its middle
+    M strides; ///< crosses a whole brick of even light
+    M lit;
     M leaves, notFinite;
   };
 
-  /// In fog most of the way leads through bricks of the ambient medium: there a step needs no look at the medium.
-  VOLCAUSTIC_HD void lookAhead(ViewRay<F>& r, const Vec3<F>& towards, const M& alive) const {
-    const F ds(mScene.rules.step);
-    const M near = both(alive, r.clear < ds);
-    if (!any(near)) return;
-    const Vec3<I> voxel = mMedium.voxelOf(mulAdd(towards, F(0.5f) * ds, r.ray.x));
-    const I here = mMedium.brickIndex(mMedium.voxelOf(r.ray.x)), there = mMedium.brickIndex(voxel);
-    const I busy = gather(mMedium.fieldSlots, here) | gather(mMedium.opticsSlots, here) |
-                   gather(mMedium.fieldSlots, there) | gather(mMedium.opticsSlots, there);
-    const F brick = distanceToCubeFace(r.ray.x, towards, voxel, I(3));
-    const F ahead = smaller(brick, distanceToBoxFace(mMedium.dims, r.ray.x, towards));
-    r.clear = select(near, select(busy == I(0), ahead, F(0)), r.clear);
+  VOLCAUSTIC_HD Step step(ViewRay<F>& r, const M& alive) const {
+    const Vec3<F> towards = r.ray.v * inverseRoot(dot(r.ray.v, r.ray.v));
+    const Vec3<I> voxel = mMedium.voxelOf(mulAdd(towards, F(0.5f * mScene.rules.step), r.ray.x));
+    const M free = lookAhead(r, towards, voxel, alive), none = both(alive, negate(alive));
+    const M fine = (r.plan & I(kPlanFine)) != I(0);
+    F ds = select(fine, smaller(F(mScene.rules.step), r.clear), r.clear);
+    r.box = r.box - ds;
+    r.clear = select(free, r.clear - ds, r.clear);
+    Step s{{mulAdd(towards, ds, r.ray.x), r.ray.v},
+           ds,
+           r.plan >> kPlanShift,
+           both(free, negate(fine)),
+           (r.plan & I(kPlanLit)) != I(0),
+           both(free, r.box <= F(kOnFace)),
+           none};
+    const M busy = both(alive, negate(free));
+    M meets = both(free, s.optics != I(0)); // what is not the ambient medium
+    if (any(busy)) bend(r, towards, voxel, busy, ds, meets, s);
+    r.depth = select(meets, smaller(r.depth, r.travelled), r.depth);
+    const M moves = both(alive, negate(s.notFinite));
+    const Vec3<F> from = r.ray.x;
+    r.ray = {select<F>(moves, s.to.x, r.ray.x), select<F>(moves, s.to.v, r.ray.v)};
+    if (mMedium.attenuates) scatter(r, from, s, moves);
+    r.travelled = r.travelled + ds;
+    r.steps = select(alive, r.steps + I(1), r.steps);
+    return s;
   }
 
-  VOLCAUSTIC_HD Step step(ViewRay<F>& r, const M& alive) const {
-    const ViewRules& rules = mScene.rules;
-    const RayOf<F> old = r.ray;
-    const F inverse = inverseRoot(dot(old.v, old.v));
-    const Vec3<F> towards = old.v * inverse;
-    F ds(rules.step), length = ds;
-    Step end{both(alive, negate(alive)), both(alive, negate(alive))};
-    // In halves, as driftKickDrift goes, so that a way's rounding does not depend on what is known of it.
-    const F half = F(0.5f) * (ds * inverse);
-    RayOf<F> next{mulAdd(old.v, half, mulAdd(old.v, half, old.x)), old.v};
-    I optics(0);
-    M strolls = alive; // not through what is known to be clear
-    if (mFog) {
-      lookAhead(r, towards, alive);
-      strolls = both(alive, r.clear < ds);
-    }
-    if (any(strolls)) {
-      const Vec3<I> voxel = mMedium.voxelOf(old.x);
-      const I byte = mMedium.stepAt(voxel);
-      const M bends = both(strolls, (byte & I(kStepBendsBit)) != I(0));
-      r.depth = select(bends, smaller(r.depth, r.travelled), r.depth);
-      F longest = ds;
-      if (!mFog) longest = select(bends, ds, stepLength(mMedium, rules.march, old.x, towards, voxel, byte));
-      const StepResult<F> s = advanceInBox(mMedium, rules.march, old, towards, longest);
-      next = {select<F>(strolls, s.ray.x, next.x), select<F>(strolls, s.ray.v, next.v)};
-      ds = select(strolls, s.ds, ds);
-      // Not a number compares false with everything; so does infinity with the bound.
-      const Vec3<F> chord = next.x - old.x;
-      const F squared = dot(chord, chord);
-      const M finite = both(squared < F(1e30f), dot(next.v, next.v) < F(1e30f));
-      end.notFinite = both(alive, negate(finite));
-      end.leaves = both(strolls, s.leaves);
-      const M straight = both(both(next.v.x == old.v.x, next.v.y == old.v.y), next.v.z == old.v.z);
-      length = select(straight, ds, squared * inverseRoot(larger(squared, F(1e-30f))));
-      if (mMedium.attenuates) {
-        const Vec3<F> middle = select<F>(finite, (old.x + next.x) * F(0.5f), old.x);
-        optics = select(strolls, mMedium.opticsIndex(mMedium.voxelOf(middle)), optics);
+  /// Finds the way ahead through bricks that are not busy, for rays that have come to the end of what they know.
+  /// `voxel` holds the middle of a step: a brick is looked at once that is in it, so that no step ends short for a last
+  /// bit of the brick before. \return the rays that go straight on
+  VOLCAUSTIC_HD M lookAhead(ViewRay<F>& r, const Vec3<F>& towards, const Vec3<I>& voxel, const M& alive) const {
+    const M near = both(alive, r.clear <= F(0.5f * mScene.rules.step));
+    if (any(near)) {
+      const I there = gather(mScene.plan.bricks, mMedium.brickIndex(voxel));
+      M straight = both(near, (there & I(kPlanBusy)) == I(0));
+      r.clear = select(near, F(0), r.clear);
+      r.plan = select(near, there, r.plan);
+      if (any(straight)) {
+        const I here = gather(mMedium.fieldSlots, mMedium.brickIndex(mMedium.voxelOf(r.ray.x)));
+        straight = both(straight, here == I(0));
+        const F box = mScene.plan.box.exit(r.ray.x, towards);
+        const F ahead = smaller(distanceToCubeFace(r.ray.x, towards, voxel, I(3)), box);
+        r.box = select(straight, box, r.box);
+        r.clear = select(straight, larger(ahead, F(kOnFace)), r.clear);
       }
     }
-    const M moves = both(alive, negate(end.notFinite));
-    r.ray = {select<F>(moves, next.x, old.x), select<F>(moves, next.v, old.v)};
-    if (mMedium.attenuates) scatter(r, old.x, optics, length, moves);
-    r.travelled = r.travelled + ds;
-    r.clear = r.clear - ds;
-    r.steps = select(alive, r.steps + I(1), r.steps);
-    return end;
+    return both(alive, r.clear > F(0));
+  }
+
+  /// The step of rays that may bend, or meet other optics.
+  VOLCAUSTIC_HD void bend(ViewRay<F>& r, const Vec3<F>& towards, const Vec3<I>& voxel, const M& busy, F& ds, M& meets,
+                          Step& s) const {
+    const ViewRules& rules = mScene.rules;
+    // The last step before a busy brick may begin in one that is not, and leave it for one that is not.
+    const M inside = both(busy, (r.plan & I(kPlanBusy)) != I(0));
+    const I slot = select(inside, r.plan >> kPlanShift, I(0));
+    const I word = gather(mScene.plan.voxels, (slot << 9) + FlatMedium::voxelOffset(voxel));
+    const M bends = both(inside, (word & I(kStepBendsBit)) != I(0));
+    meets = either(meets, bends);
+    s.optics = select(inside, word >> 8, s.optics);
+    F length(rules.step);
+    const M cubes = both(inside, negate(bends));
+    if (!mFog && any(cubes))
+      length = select(cubes, stepLength(mMedium, rules.march, r.ray.x, towards, voxel, word), length);
+    RayOf<F> to = advance(mMedium, rules.march, r.ray, length);
+    const M out = both(busy, beyondBox(mMedium.dims, to.x) > F(0));
+    if (any(out)) {
+      const StepResult<F> within = advanceInBox(mMedium, rules.march, r.ray, towards, length);
+      to = {select<F>(out, within.ray.x, to.x), select<F>(out, within.ray.v, to.v)};
+      length = select(out, within.ds, length);
+      s.leaves = either(s.leaves, both(out, within.leaves));
+    }
+    ds = select(busy, length, ds);
+    // Not a number compares false with everything; so does infinity with the bound.
+    const Vec3<F> chord = to.x - r.ray.x;
+    const F squared = dot(chord, chord);
+    const M finite = both(squared < F(1e30f), dot(to.v, to.v) < F(1e30f));
+    s.notFinite = both(busy, negate(finite));
+    const M straight = both(both(to.v.x == r.ray.v.x, to.v.y == r.ray.v.y), to.v.z == r.ray.v.z);
+    const F way = select(straight, length, squared * inverseRoot(larger(squared, F(1e-30f))));
+    s.length = select(busy, select(finite, way, F(0)), s.length);
+    s.to = {select<F>(busy, to.x, s.to.x), select<F>(busy, to.v, s.to.v)};
+    s.lit = either(s.lit, inside);
   }
 
   /// Looks the optics of a way up, where they are not as before.
   VOLCAUSTIC_HD void meet(ViewRay<F>& r, const I& optics, const M& on) const {
     const M other = both(on, optics != r.optics);
     if (!any(other)) return;
-    const I at = optics * I(kOpticsFloats);
+    const I at = select(other, optics, I(0)) * I(kOpticsFloats);
     r.attenuation = select<F>(other, gatherRgb<F>(&mMedium.optics->attenuation.x, at), r.attenuation);
     r.scattering = select<F>(other, gatherRgb<F>(&mMedium.optics->scattering.x, at), r.scattering);
-    r.asymmetry = select(other, gather(&mMedium.optics->asymmetry, at), r.asymmetry);
+    if (directed()) r.asymmetry = select(other, gather(&mMedium.optics->asymmetry, at), r.asymmetry);
     r.optics = select(other, optics, r.optics);
   }
+  [[nodiscard]] VOLCAUSTIC_HD bool directed() const { return mScene.light.towards.entries != nullptr; }
 
   /// Adds what the way from `from` to the ray's position scatters towards the camera, and attenuates.
-  VOLCAUSTIC_HD void scatter(ViewRay<F>& r, const Vec3<F>& from, const I& optics, F length, const M& on) const {
-    meet(r, optics, on);
-    const Vec3<F> depth = r.attenuation * length, mean = meanTransmittance(depth);
-    const M scatters = both(on, maxComponent(r.scattering) > F(0));
-    if (any(scatters))
-      gatherLight(r, (from + r.ray.x) * F(0.5f), r.transmitted * mean * r.scattering * length, scatters);
+  VOLCAUSTIC_HD void scatter(ViewRay<F>& r, const Vec3<F>& from, const Step& s, const M& on) const {
+    meet(r, s.optics, on);
+    const Vec3<F> depth = r.attenuation * s.length, mean = meanTransmittance(depth);
+    const M scatters = both(both(on, s.lit), maxComponent(r.scattering) > F(0));
+    if (any(scatters)) {
+      const Vec3<F> way = r.ray.x - from, power = r.transmitted * r.scattering * s.length;
+      const M twice = both(scatters, s.strides);
+      if (!any(twice)) {
+        gatherLight(r, mulAdd(way, F(0.5f), from), power * mean, scatters);
+      } else {
+        // Gauss's two points: of fourth order where a step of one voxel, taken at its middle, is of second.
+        constexpr float kFirst = 0.21132487f, kSecond = 1 - kFirst;
+        const auto weight = [&](float at) {
+          const Vec3<F> before = depth * F(at);
+          return power * (Vec3<F>(F(1)) - before * meanTransmittance(before)) * F(0.5f);
+        };
+        gatherLight(r, mulAdd(way, select(twice, F(kFirst), F(0.5f)), from),
+                    select<F>(twice, weight(kFirst), power * mean), scatters);
+        gatherLight(r, mulAdd(way, F(kSecond), from), weight(kSecond), twice);
+      }
+    }
     r.transmitted = select<F>(on, r.transmitted * (Vec3<F>(F(1)) - depth * mean), r.transmitted);
   }
 
   /// `weight` is what a unit of radiance scattered all along the way contributes.
   VOLCAUSTIC_HD void gatherLight(ViewRay<F>& r, const Vec3<F>& p, const Vec3<F>& weight, const M& on) const {
-    const bool directed = any(both(on, negate(r.asymmetry == F(0))));
-    const LightCellOf<F> cell(mMedium.dims, p);
-    const LightOf<F> direct = mScene.directLight.sample<F>(p, cell, on, directed);
-    const LightOf<F> caustic = mScene.causticLight.sample<F>(cell, on, directed);
+    const bool leans = directed() && any(both(on, negate(r.asymmetry == F(0))));
+    const ViewLightSample<F> light = mScene.light.sample<F>(p, on, leans);
     // L/n^2 is what a ray conserves: light scattered at index n arrives multiplied by (n_camera/n)^2; |v| is n.
     const Vec3<F>& v = r.ray.v;
     const F inverse = inverseRoot(dot(v, v));
     F phase(1 / (4 * 3.14159265f));
-    if (directed) {
-      LightOf<F> all = direct;
-      all += caustic;
+    if (leans) {
+      const LightOf<F> all{light.direct + light.caustic, light.towards};
       const F leaning = effectivePhase(all.meanDirection(), v * (F(0) - inverse), r.asymmetry);
       phase = select(r.asymmetry == F(0), phase, leaning);
     }
     const F index = F(mScene.rules.cameraIndex) * inverse;
     const Vec3<F> scattered = weight * select(on, phase * index * index, F(0));
-    r.direct += scattered * direct.fluence;
-    r.caustic += scattered * caustic.fluence;
+    r.direct += scattered * light.direct;
+    r.caustic += scattered * light.caustic;
   }
+
+  static constexpr float kOnFace = 1e-3f; ///< voxels: this close to a face ahead is on it
 
   const ViewScene& mScene;
   const FlatMedium& mMedium;
   bool mFog; ///< whether the ambient medium scatters
 };
 
-/// The pixels whose high left corners are (column, row), for the lanes `on`. `count` is told the end of every ray.
-template <class F, class Count>
-VOLCAUSTIC_HD inline PixelSumOf<F> gatherPixel(const ViewScene& scene, const DoubleOf<F>& column,
-                                               const DoubleOf<F>& row, const MaskOf<F>& on, const Count& count) {
-  using D = DoubleOf<F>;
+/// The rays through the points (column, row) of the raster, for the lanes `on`; those that meet the box in `hits`.
+template <class F>
+VOLCAUSTIC_HD inline ViewRay<F> lookThrough(const ViewScene& scene, const DoubleOf<F>& column, const DoubleOf<F>& row,
+                                            const MaskOf<F>& on, MaskOf<F>& hits) {
+  const CameraRay<F> start = scene.camera.ray<F>(scene.plan.box, column, row);
+  hits = both(on, start.hits);
+  ViewRay<F> r;
+  r.ray = {select<F>(hits, start.start, Vec3<F>(F(0.5f))), start.direction};
+  r.travelled = start.distance;
+  if (any(hits)) r.ray.v = select<F>(hits, r.ray.v * sampleField(scene.medium, r.ray.x).n, r.ray.v);
+  return r;
+}
+
+/// What a ray has seen, with the background behind it.
+template <class F>
+VOLCAUSTIC_HD inline PixelSumOf<F> seen(const ViewScene& scene, const ViewRay<F>& r) {
   const ViewRules& rules = scene.rules;
-  const std::int32_t n = rules.samples;
   const float ratio = rules.cameraIndex / rules.ambientIndex;
   const auto vec = [](const Float3& a) { return Vec3<F>(F(a.x), F(a.y), F(a.z)); };
+  const Vec3<F>& v = r.ray.v;
+  const F height = F(0.5f) + F(0.5f) * dot(v * inverseRoot(dot(v, v)), vec(rules.up));
   PixelSumOf<F> sum;
-  for (std::int32_t s = 0; s < n * n; ++s) {
-    const CameraRay<F> start =
-        scene.camera.ray<F>(scene.medium.dims, column + D((s % n + 0.5) / n), row + D((s / n + 0.5) / n));
-    Vec3<F> transmitted(F(1)), leaving = start.direction;
-    const MaskOf<F> hits = both(on, start.hits);
-    if (any(hits)) {
-      ViewRay<F> r;
-      r.ray = {select<F>(hits, start.start, Vec3<F>(F(0.5f))), start.direction};
-      r.ray.v *= sampleField(scene.medium, r.ray.x).n;
-      r.travelled = start.distance;
-      count(ViewMarch<F>(scene).run(r, hits));
-      sum.caustic += r.caustic;
-      sum.direct += r.direct;
-      sum.depth = smaller(sum.depth, r.depth);
-      sum.steps = sum.steps + toFloat(r.steps);
-      transmitted = r.transmitted;
-      leaving = select<F>(hits, r.ray.v * inverseRoot(dot(r.ray.v, r.ray.v)), leaving);
-    }
-    const F height = F(0.5f) + F(0.5f) * dot(leaving, vec(rules.up));
-    sum.background += transmitted * (vec(rules.bottom) + vec(rules.top - rules.bottom) * height) * F(ratio * ratio);
-    sum.transmittance += transmitted;
-  }
-  const F weight(1.0f / static_cast<float>(n * n));
-  sum.caustic *= weight;
-  sum.direct *= weight;
-  sum.background *= weight;
-  sum.transmittance *= weight;
-  sum.steps = sum.steps * weight;
+  sum.caustic = r.caustic;
+  sum.direct = r.direct;
+  sum.background = r.transmitted * (vec(rules.bottom) + vec(rules.top - rules.bottom) * height) * F(ratio * ratio);
+  sum.transmittance = r.transmitted;
+  sum.depth = r.depth;
+  sum.steps = toFloat(r.steps);
   return sum;
 }
 
-/// One pixel for one call: a GPU's thread, and the reference on the CPU.
+/// Some samples of one pixel for one call: a GPU's thread, and the reference on the CPU.
 template <class Sink>
 struct ViewBody {
   ViewScene scene;
   PixelPlanes planes;
+  std::int32_t firstSample, endSample;
 
-  VOLCAUSTIC_HD void operator()(std::int64_t i, Sink& sink) const {
-    const double column = static_cast<double>(i % scene.camera.width),
-                 row = static_cast<double>(i / scene.camera.width);
-    const PixelSum sum = gatherPixel<float>(scene, column, row, true, [&](const RayEnd<float>& end) {
-      sink.count(Counter::Steps, end.steps);
+  VOLCAUSTIC_HD void operator()(std::int64_t pixel, Sink& sink) const {
+    const auto column = static_cast<std::int32_t>(pixel % scene.camera.width),
+               row = static_cast<std::int32_t>(pixel / scene.camera.width);
+    for (std::int32_t s = firstSample; s < endSample; ++s) {
+      const PixelSampler::Point at = scene.sampler.point(column, row, s);
+      bool hits = false;
+      ViewRay<float> r = lookThrough<float>(scene, at.column, at.row, true, hits);
+      RayEnd<float> end{false, false};
+      ViewMarch<float>(scene).run(r, hits, end, [](bool) { return true; });
+      sink.count(Counter::Steps, r.steps);
       if (end.notFinite) sink.count(Counter::NotFinite, 1);
       if (end.stepLimit) sink.count(Counter::StepLimit, 1);
-    });
-    planes.forEach<float>(sum, [&](int plane, float v) { planes.of[plane][i] = v; });
+      float values[kPixelPlanes];
+      planes.forEach<float>(seen(scene, r), [&](int plane, float v) { values[plane] = v; });
+      planes.add(pixel, 1, s, [&](int plane) { return values + plane; });
+    }
   }
 };
 

@@ -17,6 +17,6 @@ PhotonResult tracePhotons(const Medium& medium, const FlatMediumStorage& flat, s
 /// renderView; likewise.
 ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance,
                       const Camera& camera, const Background& background, const ViewOptions& options,
-                      const RunContext& ctx);
+                      const RunContext& ctx, const ViewObserver& observer = {});
 
 } // namespace volcaustic

@@ -3,11 +3,12 @@
 
 #include "volcaustic/view.h"
 
-#include "backends/cpu_view.h"
 #include "backends/devices.h"
-#include "core/parallel.h"
+#include "backends/view_tracer.h"
 #include "transport/emission.h"
 #include "transport/passes.h"
+#include "transport/picture.h"
+#include "transport/pixel_sampler.h"
 #include "volcaustic/error.h"
 #include "volume/radiance_bricks.h"
 
@@ -37,6 +38,7 @@ void check(const Camera& c, const ViewOptions& o) {
     throw Error(ErrorKind::Usage, "camera.up: is parallel to the viewing direction; choose another");
   if (!(o.step > 0)) throw Error(ErrorKind::Usage, "view.step: must be above 0");
   if (o.samples < 1 || o.samples > 16) throw Error(ErrorKind::Usage, "view.samples: must be from 1 to 16");
+  if (!(o.noise >= 0 && o.noise <= 1)) throw Error(ErrorKind::Usage, "view.noise: must be from 0 to 1");
   if (o.maxSteps < 1) throw Error(ErrorKind::Usage, "view.maxSteps: must be at least 1");
 }
 
@@ -58,7 +60,6 @@ kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOpt
                              double ambientIndex) {
   kernels::ViewRules r;
   r.step = static_cast<float>(o.step);
-  r.samples = o.samples;
   r.maxSteps = o.maxSteps;
   r.cameraIndex = static_cast<float>(cameraIndex);
   r.ambientIndex = static_cast<float>(ambientIndex);
@@ -68,60 +69,52 @@ kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOpt
   return r;
 }
 
-/// A picture of kernels::PixelPlanes' planes, all zero; most of what that costs is memory's first touch.
-Image emptyImage(const Camera& camera, const RunContext& ctx) {
-  Image image;
-  image.width = camera.resolution[0];
-  image.height = camera.resolution[1];
-  image.channels = {"R", "G", "B", "A"};
-  for (const char* layer : {"caustic", "direct", "background", "transmittance"})
-    for (const char* channel : {".R", ".G", ".B"}) image.channels.push_back(std::string(layer) + channel);
-  image.channels.insert(image.channels.end(), {"depth.Z", "steps.Y"});
-  image.planes.resize(image.channels.size());
-  parallelFor(static_cast<std::int64_t>(image.planes.size()), 1, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (std::int64_t i = begin; i < end; ++i)
-      image.planes[i].resize(static_cast<std::size_t>(image.width) * image.height);
-  });
-  return image;
-}
-
-kernels::PixelPlanes planesOf(Image& image, double voxelSize) {
-  kernels::PixelPlanes planes;
-  for (int i = 0; i < kernels::kPixelPlanes; ++i) planes.of[i] = image.planes[i].data();
-  planes.voxelSize = static_cast<float>(voxelSize);
-  return planes;
+/// The machine that RunContext::device names. Of two, the GPU: a picture takes it a fraction of what the CPU's share
+/// of it would. `there` is the medium where it was built, if that was a GPU.
+std::unique_ptr<ViewTracer> makeViewer(const kernels::ViewScene& scene, const ViewTables& tables,
+                                       const std::shared_ptr<const DeviceFlatMedium>& there,
+                                       const kernels::PixelPlanes& planes, const RunContext& ctx) {
+  RunContext silent = ctx; // the photon pass has told what "auto" chose
+  silent.onLog = {};
+  const DeviceChoice choice = chooseDevice(silent);
+  if (choice.cudaOrdinal < 0) return makeCpuViewer(scene, planes, laneSet(choice.lanes), ctx);
+  try {
+    return makeCudaViewer(scene, tables, there, planes, ctx, choice.cudaOrdinal);
+  } catch (const Error& e) {
+    if (!choice.mayFallBack || e.kind() != ErrorKind::Device) throw;
+    ctx.warn(std::string(e.what()) + "; going on with the CPU");
+    return makeCpuViewer(scene, planes, laneSet(choice.lanes), ctx);
+  }
 }
 
 } // namespace
 
 ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance,
                       const Camera& camera, const Background& background, const ViewOptions& options,
-                      const RunContext& ctx) {
+                      const RunContext& ctx, const ViewObserver& observer) {
   check(camera, options);
-  ctx.requireMemory(std::uint64_t{kernels::kPixelPlanes} * camera.resolution[0] * camera.resolution[1] * sizeof(float),
-                    "camera.resolution");
   const LaneSet& lanes = laneSet(parseDevice(ctx.device).lanes);
-  const kernels::CameraFrame frame = cameraFrame(camera, medium.domain());
+  Picture picture(camera, options, medium.domain().voxelSize, ctx);
   const double ambient = medium.ambient().index;
+  const kernels::CameraFrame frame = cameraFrame(camera, medium.domain());
   const Float3 eye(frame.origin);
   const double cameraIndex = kernels::insideBox(flat.dims, eye) ? kernels::sampleField(flat.view(), eye).n : ambient;
   const RadianceBricks& light = radiance.bricks();
-  const kernels::ViewScene scene{flat.view(), light.direct.view(), light.caustic.view(), frame,
-                                 viewRules(camera, background, options, cameraIndex, ambient)};
-
-  ViewResult result;
-  result.image = emptyImage(camera, ctx);
-  const ViewCounts counts = viewOnCpu(scene, planesOf(result.image, medium.domain().voxelSize), lanes, ctx);
-  result.steps = counts.steps;
-  result.raysNotFinite = counts.notFinite;
-  result.raysAtStepLimit = counts.stepLimit;
-  return result;
+  const ViewTables tables(flat.view(), light.caustic.view(), light.direct.view(), lanes, ctx);
+  const kernels::ViewScene scene{flat.view(),
+                                 tables.light(),
+                                 tables.plan(),
+                                 frame,
+                                 viewRules(camera, background, options, cameraIndex, ambient),
+                                 pixelSampler(options.filter, options.samples, ctx.seed)};
+  return picture.render(*makeViewer(scene, tables, flat.onDevice, picture.planes(), ctx), observer);
 }
 
 ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
                       const Background& background, const StepFieldOptions& stepField, const ViewOptions& options,
-                      const RunContext& ctx) {
-  return renderView(medium, flattenMedium(medium, stepField, ctx), radiance, camera, background, options, ctx);
+                      const RunContext& ctx, const ViewObserver& observer) {
+  return renderView(medium, flattenMedium(medium, stepField, ctx), radiance, camera, background, options, ctx,
+                    observer);
 }
 
 } // namespace volcaustic

@@ -113,7 +113,8 @@ class Render(ProgramCase):
         done = self.call("compare", self.path("read.exr"), self.path("whole.exr"), "--json")
         beauty = [d["maximum"] for d in json.loads(done.stdout)["differences"] if d["name"] in "RGBA"]
         self.assertEqual(len(beauty), 4)
-        self.assertLess(max(beauty), 1e-7)
+        # The view rounds light to half floats: two parts of it, or their sum.
+        self.assertLess(max(beauty), 3e-5)
 
     def test_standard_input(self):
         with open(self.scene) as text:

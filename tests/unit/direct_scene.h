@@ -56,7 +56,7 @@ struct DirectScene {
   }
 
   [[nodiscard]] std::unique_ptr<DirectLight> direct(bool smooth, const RunContext& ctx = {}) const {
-    DirectLightBuilder builder(flat, domain, lights, ctx);
+    DirectLightBuilder builder(flat, domain, partsOf(lights), ctx);
     for (const Raster& r : rasters) builder.add(r.light, r.frame, r.entry);
     auto light = std::make_unique<DirectLight>(domain.dims);
     builder.finish(smooth, *light);

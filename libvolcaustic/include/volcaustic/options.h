@@ -4,7 +4,7 @@
 ///
 /// A visitor is called as visit(name, value, doc) for each field, in documented order; `value` is a reference to a
 /// bool, int, double, std::string, std::filesystem::path, an array of numbers, an enumeration with enumNames, an
-/// AutomaticBox, or a vector of described structs. Nothing here allocates.
+/// AutomaticBox, or a vector of names or of described structs. Nothing here allocates.
 #pragma once
 
 #include "volcaustic/medium.h"
@@ -39,10 +39,14 @@ struct AutomaticBox {
 constexpr std::array<const char*, 3> enumNames(FillRule) { return {"auto", "exact", "winding"}; }
 constexpr std::array<const char*, 2> enumNames(Scheme) { return {"driftKickDrift", "euler"}; }
 constexpr std::array<const char*, 2> enumNames(Lookup) { return {"trilinear", "nearest"}; }
-constexpr std::array<const char*, 2> enumNames(LightType) { return {"directional", "point"}; }
+constexpr std::array<const char*, 4> enumNames(PixelFilter) { return {"box", "tent", "gaussian", "blackmanHarris"}; }
+constexpr std::array<const char*, 5> enumNames(ExrCompression) { return {"none", "zips", "zip", "piz", "dwaa"}; }
+constexpr std::array<const char*, 2> enumNames(ToneCurve) { return {"plain", "aces"}; }
+constexpr std::array<const char*, 3> enumNames(LightType) { return {"directional", "point", "spot"}; }
 
 inline constexpr std::array<int, 4> kSupersampleChoices{1, 2, 4, 8};
 inline constexpr std::array<int, 6> kBlurChoices{1, 3, 5, 7, 9, 11};
+inline constexpr std::array<int, 4> kBitsChoices{0, 8, 16, 32};
 inline constexpr double kHuge = 1e9;
 
 // One range for each quantity, so that every place that takes it agrees.
@@ -88,12 +92,24 @@ void describe(Visitor&& visit, StepFieldOptions& o) {
 template <class Visitor>
 void describe(Visitor&& visit, Light& l) {
   visit("name", l.name, FieldDoc{"for messages"});
-  visit("type", l.type, FieldDoc{"directional light or point light"});
+  visit("type", l.type, FieldDoc{"directional light, point light, or a spot: a point light that shines into a cone"});
   visit("direction", l.direction,
-        FieldDoc{"propagation direction of a directional light, any length", "1", -kHuge, kHuge});
+        FieldDoc{"propagation of a directional light, axis of a spot; any length", "1", -kHuge, kHuge});
   visit("irradiance", l.irradiance, FieldDoc{"of a directional light, on a plane facing it, RGB", "W/m2", 0, 1e30});
-  visit("position", l.position, FieldDoc{"of a point light", "world", -1e12, 1e12});
-  visit("intensity", l.intensity, FieldDoc{"of a point light, RGB", "W/sr", 0, 1e30});
+  visit("position", l.position, FieldDoc{"of a point light or a spot", "world", -1e12, 1e12});
+  visit("intensity", l.intensity, FieldDoc{"of a point light, or of a spot on its axis, RGB", "W/sr", 0, 1e30});
+  visit("outerAngle", l.outerAngle, FieldDoc{"half the opening angle of a spot's cone", "degrees", 0.01, 90});
+  visit("innerAngle", l.innerAngle,
+        FieldDoc{"angle from its axis within which a spot has its whole intensity; at most outerAngle", "degrees", 0,
+                 90});
+  visit("angle", l.angle,
+        FieldDoc{"angular diameter of a directional light's disc (the sun's is 0.53); 0 gives sharp shadows", "degrees",
+                 0, 90});
+  visit("radius", l.radius,
+        FieldDoc{"of the ball that a point light or a spot is; 0 gives sharp shadows", "world", 0, kHuge});
+  visit("samples", l.samples,
+        FieldDoc{"sharp lights that stand for one with an angle or a radius; they share its photons", "lights", 1,
+                 kMostLightSamples});
 }
 
 template <class Visitor>
@@ -129,6 +145,10 @@ template <class Visitor>
 void describe(Visitor&& visit, ViewOptions& o) {
   visit("step", o.step, FieldDoc{"step where the medium bends or scatters", "voxels", 0.05, 64});
   visit("samples", o.samples, FieldDoc{"rays along each side of a pixel", "", 1, 16});
+  visit("filter", o.filter, FieldDoc{"what weighs a pixel's rays, where there are several: by name, as wide as usual"});
+  visit("noise", o.noise,
+        FieldDoc{"standard error, relative to their mean, at which tiles of the picture are done; 0 takes all samples",
+                 "1", 0, 1});
   visit("maxSteps", o.maxSteps, FieldDoc{"steps after which a ray is cut off and counted", "", 1, kHuge});
   visit("exposure", o.exposure, FieldDoc{"brightness of tone-mapped files", "stops", -40, 40});
 }
@@ -137,7 +157,9 @@ template <class Visitor>
 void describe(Visitor&& visit, Placement& p) {
   visit("translate", p.translate, FieldDoc{"applied last", "world", -1e12, 1e12});
   visit("rotate", p.rotate, FieldDoc{"about x, then y, then z", "degrees", -kHuge, kHuge});
-  visit("scale", p.scale, FieldDoc{"applied first; negative mirrors", "1", -1e12, 1e12});
+  visit("scale", p.scale, FieldDoc{"applied before the rotation; negative mirrors", "1", -1e12, 1e12});
+  visit("shear", p.shear,
+        FieldDoc{"applied first: added to x for each y, to x for each z, to y for each z", "1", -1e12, 1e12});
 }
 
 template <class Visitor>
@@ -166,7 +188,10 @@ void describe(Visitor&& visit, SceneGroup& g) {
 template <class Visitor>
 void describe(Visitor&& visit, SceneObject& o) {
   visit("name", o.name, FieldDoc{"for messages"});
-  visit("mesh", o.meshFile, FieldDoc{.text = "OBJ, PLY, STL or OFF file, relative to this file", .required = true});
+  visit(
+      "mesh", o.meshFile,
+      FieldDoc{.text = "OBJ, PLY, STL or OFF file, or a mesh of a glTF file as x.glb#/meshes/0; relative to this file",
+               .required = true});
   describe(visit, o.placement);
   visit("material", o.material, FieldDoc{"a name in `materials`"});
   visit("priority", o.priority, FieldDoc{"where objects overlap the higher one wins", "", -1e6, 1e6});
@@ -204,6 +229,30 @@ void describe(Visitor&& visit, VdbWriteOptions& o) {
   visit("half", o.half, FieldDoc{"16-bit floats in .vdb files"});
   visit("parts", o.parts, FieldDoc{"also write the grids caustic and direct"});
   visit("exposure", o.exposure, FieldDoc{"multiply the grids of light by 2 to this power; recorded", "stops", -40, 40});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, ImageWriteOptions& o) {
+  visit("layers", o.layers, FieldDoc{"channels to write, by name or as caustic.*; all when empty"});
+  visit("half", o.half, FieldDoc{"16-bit floats in .exr files; depth and step counts stay 32-bit"});
+  visit("compression", o.compression, FieldDoc{"of .exr files; dwaa loses something, all others nothing"});
+  visit("tiles", o.tiles, FieldDoc{"edge of a tile of .exr files, from 8; 0 writes scan lines", "pixels", 0, 4096});
+  visit("exposure", o.exposure, FieldDoc{"brightness of 8- and 16-bit files", "stops", -40, 40});
+  visit("tone", o.tone, FieldDoc{"how light becomes a display value in 8- and 16-bit files"});
+  visit("bits", o.bits,
+        FieldDoc{"of a channel, in formats that have a choice; 32 are linear floats, 0 what is usual", "", 0, 32,
+                 kBitsChoices});
+  visit("alpha", o.alpha,
+        FieldDoc{"keep alpha and leave out the background's light, in formats other than .exr that have alpha"});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, FlipOptions& o) {
+  visit("pixelsPerDegree", o.pixelsPerDegree,
+        FieldDoc{"of visual angle at which FLIP looks: 67 is a 0.7 m wide display of 3840 pixels seen from 0.7 m", "1",
+                 1, 1000});
+  visit("highDynamicRange", o.highDynamicRange,
+        FieldDoc{"linear light, compared at all its exposures; else display values"});
 }
 
 } // namespace volcaustic

@@ -22,7 +22,7 @@ struct VOLCAUSTIC_API RunContext {
   /// Where photons are traced: "auto" (a GPU when one is usable, else the CPU), "cpu" or with an instruction set
   /// "cpu:scalar", "cpu:avx2", "cpu:avx512", "cuda" or one of several "cuda:1", "hybrid" (both, balanced while it runs)
   /// or with the CPU's share of the rows "hybrid:0.2". "auto" falls back to the CPU when the GPU's memory does not do;
-  /// any other throws Error(Device). The view is rendered on the CPU, on the instruction set named here.
+  /// any other throws Error(Device). Pictures are rendered there, too; of two devices, on the GPU.
   std::string device = "auto";
   /// Called with the stage's name and the fraction done, 0 to 1.
   std::function<void(std::string_view stage, double fraction)> onProgress;

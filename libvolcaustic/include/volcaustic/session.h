@@ -38,7 +38,8 @@ public:
   /// Each runs what is missing, in order, and returns the result, which lives until the stage runs again.
   const Medium& medium();
   const PhotonResult& photons();
-  const ViewResult& view();
+  /// The observer sees the passes of a view that runs, and is not called for one that is there.
+  const ViewResult& view(const ViewObserver& observer = {});
   /// Takes a radiance volume from elsewhere (readRadiance) in place of the photon stage.
   void setRadiance(RadianceVolume radiance);
 

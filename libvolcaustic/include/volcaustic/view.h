@@ -10,6 +10,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
 
 namespace volcaustic {
 
@@ -21,15 +24,31 @@ struct Camera {
   std::array<int, 2> resolution{1024, 768}; ///< pixels
 };
 
+/// Image::metadata that says where a picture was taken from, in OpenEXR's terms: `worldToCamera` and `worldToNDC` (16
+/// numbers by rows; points are rows, x right, y up, z forward), `screenWindowWidth` (at distance 1).
+VOLCAUSTIC_API std::map<std::string, std::string> cameraMetadata(const Camera& camera);
+
 /// What a ray meets when it leaves the domain: a vertical gradient, W/(m2 sr).
 struct Background {
   Rgb bottom{0.02, 0.02, 0.03}; ///< looking straight down
   Rgb top{0.10, 0.12, 0.16};    ///< looking straight up
 };
 
+/// What weighs the samples of a pixel; each reaches as far from its centre as it says.
+enum class PixelFilter {
+  Box,            ///< 0.5 pixels: the pixel's own square
+  Tent,           ///< 1 pixel
+  Gaussian,       ///< 1.5 pixels, deviation 0.5
+  BlackmanHarris, ///< 1.5 pixels
+};
+
 struct ViewOptions {
   double step = 1; ///< step where the medium bends or scatters, in voxels
   int samples = 1; ///< rays for each pixel along one axis: samples^2 in all
+  PixelFilter filter = PixelFilter::Gaussian;
+  /// Tiles of the picture are finished when the standard error of their pixels is below this part of their mean
+  /// luminance; 0 takes all samples everywhere.
+  double noise = 0;
   int maxSteps = 20000;
   double exposure = 0; ///< stops, for tone-mapped files
 };
@@ -39,7 +58,13 @@ struct ViewResult {
   std::int64_t steps = 0;
   std::int64_t raysNotFinite = 0;
   std::int64_t raysAtStepLimit = 0;
+  std::int64_t samples = 0; ///< rays from the camera
+  int passes = 0;
 };
+
+/// Is handed the picture after each pass, the first of which has one sample a pixel, each other one as many as all
+/// before it. Called on the thread that renders.
+using ViewObserver = std::function<void(const ViewResult& soFar)>;
 
 /// Renders what the camera sees: single scattering of the radiance volume (Henyey-Greenstein with asymmetry g|d| about
 /// the mean direction d) along rays bent by the medium, over the background. Along a ray L/n^2 is what stays constant,
@@ -47,6 +72,7 @@ struct ViewResult {
 /// camera or options out of range, Error(Cancelled).
 VOLCAUSTIC_API ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
                                      const Background& background = {}, const StepFieldOptions& stepField = {},
-                                     const ViewOptions& options = {}, const RunContext& ctx = {});
+                                     const ViewOptions& options = {}, const RunContext& ctx = {},
+                                     const ViewObserver& observer = {});
 
 } // namespace volcaustic
