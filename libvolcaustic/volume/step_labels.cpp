@@ -76,7 +76,7 @@ public:
     mConstant.low[0] = mIndexVaries ? 0 : mIndex.constant(b);
     for (int c = 0; c < 3; ++c)
       mConstant.low[c + 1] = mAttenuation && !mAttenuationVaries ? mAttenuation->constant(b)[c] : 0;
-    mConstant.high = mConstant.low;
+    std::copy_n(mConstant.low, 4, mConstant.high);
     if (mIndexVaries) findIndexRanges(mIndex.brickCoord(b));
     if (mAttenuationVaries) {
       mAttenuationBlock.gather(*mAttenuation, mIndex.brickCoord(b));
@@ -139,10 +139,12 @@ void requireTolerances(const StepFieldOptions& options) {
 
 StepLabels::StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, double voxelSize,
                        const StepFieldOptions& options, const RunContext& ctx, const Visit& visit)
-    : mVoxelSize(voxelSize), mOptions(options), mDims(index.dims()) {
+    : mRules{voxelSize, options.indexTolerance, options.indexTolerance2, options.attenuationTolerance}
+    , mDims(index.dims()) {
   requireTolerances(options);
   const Vec3f a = attenuation ? attenuation->background() : Vec3f{0, 0, 0};
-  mAmbient.low = mAmbient.high = {index.background(), a[0], a[1], a[2]};
+  const float n = index.background();
+  mAmbient = {{n, a[0], a[1], a[2]}, {n, a[0], a[1], a[2]}};
   BrickSet band(index.brickDims());
   band.insertAround(index.occupied());
   if (attenuation) band.insertAround(attenuation->occupied());
@@ -156,15 +158,6 @@ StepLabels::StepLabels(const BrickGrid<float>& index, const BrickGrid<Vec3f>* at
   for (int x = 0; x < top[0]; ++x)
     for (int y = 0; y < top[1]; ++y)
       for (int z = 0; z < top[2]; ++z) collect(static_cast<int>(mLevels.size()) - 1, {x, y, z});
-}
-
-StepLabel StepLabels::classify(const Range& r, int level) const {
-  for (int c = 1; c < 4; ++c)
-    if ((r.high[c] - r.low[c]) * mVoxelSize > mOptions.attenuationTolerance) return kMixed;
-  const float range = r.ofIndex();
-  if (range < mOptions.indexTolerance) return static_cast<StepLabel>(level);
-  if (range < mOptions.indexTolerance2) return static_cast<StepLabel>(level | kernels::kStepCappedBit);
-  return kMixed;
 }
 
 void StepLabels::labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, const RunContext& ctx,
@@ -181,7 +174,9 @@ void StepLabels::labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>
       bricks.ranges[i] = ranges.of({0, 0, 0}, kCells);
       bricks.labels[i] = classify(bricks.ranges[i], kBrickLog2);
       if (bricks.labels[i] == kMixed) labelCells(ranges, mCells[i]);
-      if (visit) visit(static_cast<std::size_t>(i), mBand[i], bricks.ranges[i].ofIndex(), ranges.field());
+      if (visit)
+        visit(static_cast<std::size_t>(i), mBand[i], bricks.ranges[i].high[0] - bricks.ranges[i].low[0],
+              ranges.field());
     }
   });
   for (std::size_t i = 0; i < mBand.size(); ++i)

@@ -5,7 +5,7 @@
 
 #include "core/brick_grid.h"
 #include "core/large_memory.h"
-#include "kernels/flat_medium.h"
+#include "kernels/flattening.h"
 #include "volcaustic/medium.h"
 #include "volume/index_field.h"
 
@@ -19,7 +19,7 @@
 namespace volcaustic {
 
 /// A label as a step byte has it: level m, and kernels::kStepCappedBit where steps are capped.
-using StepLabel = std::uint8_t;
+using StepLabel = kernels::CubeLabel;
 
 /// \throws Error(Usage) for tolerances in the wrong order.
 void requireTolerances(const StepFieldOptions& options);
@@ -52,7 +52,7 @@ public:
   /// the backgrounds, one voxel around them too.
   [[nodiscard]] const std::vector<std::int64_t>& band() const { return mBand; }
 
-  static constexpr StepLabel kMixed = 0xff;
+  static constexpr StepLabel kMixed = kernels::kMixedLabel;
   /// The label of a whole brick, or kMixed.
   [[nodiscard]] StepLabel ofBrick(const Vec3i& brick) const;
   /// The labels of a mixed brick's voxels; 0 beyond the domain.
@@ -62,17 +62,7 @@ private:
   static constexpr int kCells = 4; ///< of 2^3 voxels along a brick's edge
   using Cells = std::array<StepLabel, kCells * kCells * kCells>;
 
-  /// Minima and maxima of n and of the three attenuation channels over a cube.
-  struct Range {
-    std::array<float, 4> low, high;
-    void add(const Range& r) {
-      for (int c = 0; c < 4; ++c) {
-        low[c] = std::min(low[c], r.low[c]);
-        high[c] = std::max(high[c], r.high[c]);
-      }
-    }
-    [[nodiscard]] float ofIndex() const { return high[0] - low[0]; }
-  };
+  using Range = kernels::CubeRange;
   class Ranges;
 
   /// The cubes of one size that hold a brick of the band, in arrays by slot - 1.
@@ -95,7 +85,7 @@ private:
     }
   };
 
-  [[nodiscard]] StepLabel classify(const Range& r, int level) const;
+  [[nodiscard]] StepLabel classify(const Range& r, int level) const { return r.label(mRules, level); }
   void labelBand(const BrickGrid<float>& index, const BrickGrid<Vec3f>* attenuation, const RunContext& ctx,
                  const Visit& visit);
   void labelCells(const Ranges& ranges, Cells& labels) const;
@@ -103,8 +93,7 @@ private:
   [[nodiscard]] StepLabel ofCube(int level, const Vec3i& cube) const;
   void collect(int level, const Vec3i& cube);
 
-  double mVoxelSize;
-  StepFieldOptions mOptions;
+  kernels::StepRules mRules;
   Vec3i mDims;
   Range mAmbient;
   std::vector<std::int64_t> mBand, mMixed;
