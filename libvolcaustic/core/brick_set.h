@@ -38,6 +38,12 @@ public:
           for (int k = z0; k <= z1; ++k) mHeld[(std::size_t(i) * mBricks[1] + j) * mBricks[2] + k] = 1;
     }
   }
+  /// Those from one corner to another, both inclusive and in the domain.
+  void insertBox(const Vec3i& first, const Vec3i& last) {
+    for (int i = first[0]; i <= last[0]; ++i)
+      for (int j = first[1]; j <= last[1]; ++j)
+        for (int k = first[2]; k <= last[2]; ++k) mHeld[(std::size_t(i) * mBricks[1] + j) * mBricks[2] + k] = 1;
+  }
   /// What it holds, in order.
   [[nodiscard]] std::vector<std::int64_t> sorted() const {
     std::vector<std::int64_t> bricks;

@@ -9,6 +9,7 @@
 #include "volume/medium_store.h"
 #include "volume/optics.h"
 #include "volume/vdb_file.h"
+#include "volume/volume_optics.h"
 #include "volume/voxelise.h"
 
 #include <algorithm>
@@ -102,6 +103,11 @@ Domain domainAround(const Box& world, int resolution, double voxelSize, int padd
 
 Medium buildMedium(std::span<const Body> bodies, const Ambient& ambient, const Domain& domain,
                    const VoxeliseOptions& options, const RunContext& ctx) {
+  return buildMedium(bodies, {}, ambient, domain, options, ctx);
+}
+
+Medium buildMedium(std::span<const Body> bodies, std::span<const MediumVolume> volumes, const Ambient& ambient,
+                   const Domain& domain, const VoxeliseOptions& options, const RunContext& ctx) {
   requireDomain(domain);
   requireOptions(options);
   requireOptics(ambient, "ambient");
@@ -110,10 +116,11 @@ Medium buildMedium(std::span<const Body> bodies, const Ambient& ambient, const D
 
   std::vector<Body> order(bodies.begin(), bodies.end()); // from low priority to high
   std::stable_sort(order.begin(), order.end(), [](const Body& a, const Body& b) { return a.priority < b.priority; });
-  if (auto bricks = mediumOnDevice(order, ambient, domain, options, ctx))
+  if (auto bricks = volumes.empty() ? mediumOnDevice(order, ambient, domain, options, ctx) : nullptr)
     return Medium(domain, ambient, std::make_shared<MediumStore>(std::move(bricks), domain, ambient, ctx));
 
   OpticsBricks optics = ambientOptics(domain, ambient, order, ctx);
+  addVolumes(optics, volumes, ambient, domain, ctx);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const RunContext share = shareOf(ctx, i, order.size());
     const CoveragePatch patch = voxeliseBody(order[i], domain, options.supersample, options.fill, share);

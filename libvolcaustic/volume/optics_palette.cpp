@@ -2,9 +2,14 @@
 
 #include "core/brick_set.h"
 #include "core/parallel.h"
+#include "volcaustic/error.h"
 
 #include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <unordered_map>
 
 namespace volcaustic {
@@ -26,6 +31,29 @@ struct KeyHash {
     return h >> 32;
   }
 };
+
+/// Entries beyond which numbers are rounded: 3.5 MiB of optics, which a cache still holds.
+constexpr std::size_t kMostEntries = 1 << 17;
+/// How a key's numbers may be rounded, from fine to coarse: bits of the significand that they keep, by which they are
+/// off by 2^-(bits + 1) of themselves at most, and up to how many entries. Kernels have 23 bits for an entry's number.
+struct Rounding {
+  int bits;
+  double mostEntries;
+};
+constexpr std::array<Rounding, 5> kRoundings{
+    {{11, kMostEntries}, {9, kMostEntries}, {7, 1 << 22}, {5, 1 << 22}, {3, 1 << 22}}};
+constexpr int kAllBits = 23;
+
+float rounded(float value, int bits) {
+  const int dropped = kAllBits - bits;
+  const std::uint32_t half = dropped ? 1u << (dropped - 1) : 0;
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(value) + half) >> dropped << dropped);
+}
+Key rounded(const Key& key, int bits) {
+  Key result;
+  for (std::size_t i = 0; i < key.size(); ++i) result[i] = rounded(key[i], bits);
+  return result;
+}
 
 bool sameBits(const Key& a, const Key& b) { return std::memcmp(a.data(), b.data(), sizeof a) == 0; }
 
@@ -82,12 +110,35 @@ private:
   Source<float> mAsymmetry;
 };
 
+/// Tells how many distinct keys there are, to a percent or two, by the bits of a table that their hashes hit (Whang,
+/// Vander-Zanden, Taylor 1990). Which bits these are does not depend on the order, so threads may add at once.
+class KeyCount {
+public:
+  void add(const Key& key) {
+    const std::size_t bit = KeyHash()(key) % kBits;
+    std::atomic<std::uint64_t>& word = mWords[bit / 64];
+    const std::uint64_t mask = std::uint64_t{1} << bit % 64;
+    if (!(word.load(std::memory_order_relaxed) & mask)) word.fetch_or(mask, std::memory_order_relaxed);
+  }
+  [[nodiscard]] double estimate() const {
+    constexpr double kAll = kBits;
+    double set = 0;
+    for (const auto& word : mWords) set += std::popcount(word.load(std::memory_order_relaxed));
+    return -kAll * std::log1p(-std::min(set, kAll - 1) / kAll);
+  }
+
+private:
+  static constexpr std::size_t kBits = 1 << 21;
+  std::vector<std::atomic<std::uint64_t>> mWords = std::vector<std::atomic<std::uint64_t>>(kBits / 64);
+};
+
 /// Bricks whose optics are not the ambient ones all over, in order.
 std::vector<std::int64_t> opticsBricks(const OpticsGrids& grids) {
   return merged(merged(grids.attenuation.occupied(), grids.scattering.occupied()), grids.asymmetry.occupied());
 }
 
-constexpr std::int64_t kGrain = 64; // bricks that share a palette of their own at first
+constexpr std::int64_t kGrain = 64;        ///< bricks that share a palette of their own at first
+constexpr std::uint64_t kEntryBytes = 128; ///< of a palette in the making
 
 class OpticsPacker {
 public:
@@ -96,19 +147,11 @@ public:
 
   std::vector<std::int64_t> run(double voxelSize) {
     assignSlots();
-    const auto count = static_cast<std::int64_t>(mBricks.size());
-    std::vector<Palette> palettes((mBricks.size() + kGrain - 1) / kGrain, Palette(mAmbient));
-    parallelFor(count, kGrain, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      for (std::int64_t i = begin; i < end; ++i) number(mBricks[i], palettes[begin / kGrain]);
-    });
-    // Palette by palette in order: the numbers are those of one palette for all.
-    Palette all(mAmbient);
-    std::vector<std::vector<std::int32_t>> numbers(palettes.size());
-    for (std::size_t p = 0; p < palettes.size(); ++p)
-      for (const Key& key : palettes[p].keys()) numbers[p].push_back(all.entry(key));
-    parallelFor(count, kGrain, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      for (std::int64_t i = begin; i < end; ++i) renumber(mBricks[i], numbers[begin / kGrain]);
-    });
+    Palette all = numberAll(kMostEntries);
+    if (all.keys().size() > kMostEntries) {
+      chooseBits();
+      all = numberAll(std::numeric_limits<std::size_t>::max());
+    }
     const auto h = static_cast<float>(voxelSize);
     for (const Key& key : all.keys())
       mOut.optics.push_back({Float3(key[0], key[1], key[2]) * h, Float3(key[3], key[4], key[5]) * h, key[6]});
@@ -132,13 +175,70 @@ private:
     std::fill_n(mOut.voxelOptics.begin(), kernels::kStepVoxels, 0); // slot 0: ambient
   }
 
+  /// Numbers the entries of all bricks, or of so many that there are more than `most`. Some pieces at a time, so that
+  /// the palettes of all never exist at once.
+  Palette numberAll(std::size_t most) {
+    Palette all(mAmbient);
+    const auto count = static_cast<std::int64_t>(mBricks.size());
+    const std::int64_t wave = kGrain * 8 * threadCount(mCtx);
+    for (std::int64_t begin = 0; begin < count && all.keys().size() <= most; begin += wave)
+      numberWave(begin, std::min(begin + wave, count), all);
+    return all;
+  }
+
+  /// The finest rounding by which the optics are few enough; smoke has others in every voxel.
+  void chooseBits() {
+    for (const auto& [bits, mostEntries] : kRoundings) {
+      mBits = bits;
+      KeyCount keys;
+      parallelFor(static_cast<std::int64_t>(mBricks.size()), kGrain, mCtx,
+                  [&](std::int64_t begin, std::int64_t end, int) {
+                    for (std::int64_t i = begin; i < end; ++i) countKeys(mBricks[i], keys);
+                  });
+      if (const double entries = keys.estimate(); entries <= mostEntries) {
+        mCtx.requireMemory(static_cast<std::uint64_t>(entries) * kEntryBytes, "stepField: optics");
+        return;
+      }
+    }
+    throw Error(ErrorKind::Input, "stepField: more than four million different optics, too many to number; take larger "
+                                  "voxels, or grids of numbers in place of vectors");
+  }
+  void countKeys(std::int64_t b, KeyCount& keys) const {
+    const BrickOptics optics(mGrids, b);
+    keys.add(keyOf(optics, 0));
+    for (int i = 1; i < kBrickVoxels && optics.varies(); ++i)
+      if (!optics.repeats(i)) keys.add(keyOf(optics, i));
+  }
+
+  /// Of a voxel, rounded unless its optics are the ambient ones.
+  [[nodiscard]] Key keyOf(const BrickOptics& optics, int voxel) const {
+    const Key key = optics.at(voxel);
+    return sameBits(key, mAmbient) ? key : rounded(key, mBits);
+  }
+
+  /// Numbers the entries of a run of bricks by palettes of their own, then palette by palette in order: the numbers are
+  /// those of one palette for all.
+  void numberWave(std::int64_t first, std::int64_t last, Palette& all) {
+    std::vector<Palette> palettes(static_cast<std::size_t>((last - first + kGrain - 1) / kGrain), Palette(mAmbient));
+    const auto forEachBrick = [&](auto&& visit) {
+      parallelFor(last - first, kGrain, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+        for (std::int64_t i = begin; i < end; ++i) visit(mBricks[first + i], static_cast<std::size_t>(begin / kGrain));
+      });
+    };
+    forEachBrick([&](std::int64_t b, std::size_t p) { number(b, palettes[p]); });
+    std::vector<std::vector<std::int32_t>> numbers(palettes.size());
+    for (std::size_t p = 0; p < palettes.size(); ++p)
+      for (const Key& key : palettes[p].keys()) numbers[p].push_back(all.entry(key));
+    forEachBrick([&](std::int64_t b, std::size_t p) { renumber(b, numbers[p]); });
+  }
+
   [[nodiscard]] std::span<std::int32_t> voxelsOf(std::int32_t slot) {
     return {mOut.voxelOptics.data() + std::size_t(slot) * kernels::kStepVoxels, kernels::kStepVoxels};
   }
   /// Entries of the palette; of all bricks' own in renumber().
   void number(std::int64_t b, Palette& palette) {
     const BrickOptics optics(mGrids, b);
-    const std::int32_t slot = mOut.opticsSlots[b], first = palette.entry(optics.at(0));
+    const std::int32_t slot = mOut.opticsSlots[b], first = palette.entry(keyOf(optics, 0));
     if (slot <= 0) {
       mOut.opticsSlots[b] = -first;
       return;
@@ -146,7 +246,7 @@ private:
     const std::span<std::int32_t> entries = voxelsOf(slot);
     entries[0] = first;
     for (int i = 1; i < kBrickVoxels; ++i)
-      entries[i] = optics.repeats(i) ? entries[i - 1] : palette.entry(optics.at(i));
+      entries[i] = optics.repeats(i) ? entries[i - 1] : palette.entry(keyOf(optics, i));
   }
   void renumber(std::int64_t b, const std::vector<std::int32_t>& numbers) {
     if (const std::int32_t slot = mOut.opticsSlots[b]; slot > 0)
@@ -160,6 +260,7 @@ private:
   const RunContext& mCtx;
   std::vector<std::int64_t> mBricks;
   Key mAmbient;
+  int mBits = kAllBits;
 };
 
 } // namespace

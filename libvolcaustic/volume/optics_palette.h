@@ -14,8 +14,10 @@ struct OpticsGrids {
 };
 
 /// Fills opticsSlots, voxelOptics, optics and attenuates. Entries are numbered in the order in which the domain's
-/// bricks and their voxels name them first. Returns the bricks whose optics are not the ambient ones all over, in
-/// order.
+/// bricks and their voxels name them first. Where they would be more than 2^17, as in smoke, attenuation, scattering
+/// and asymmetry are rounded to 11 bits (off by 2^-12 of themselves at most), or to 9, 7, 5 or 3 where that is still
+/// too many. Returns the bricks whose optics are not the ambient ones all over, in order. \throws Error(Input) for more
+/// than 2^22 that differ in 3 bits.
 std::vector<std::int64_t> packOptics(const OpticsGrids& grids, double voxelSize, FlatMediumStorage& flat,
                                      const RunContext& ctx);
 

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace volcaustic {
@@ -36,6 +37,9 @@ struct RadianceBricks {
   /// Bricks whose light is not one value.
   [[nodiscard]] std::vector<std::int64_t> varyingBricks() const;
 };
+
+/// All light of several volumes of the same size.
+std::shared_ptr<const RadianceBricks> sumOf(std::span<const RadianceBricks* const> lights, const RunContext& ctx);
 
 /// What a voxel's two parts of light are turned into.
 using LightValue = std::function<Vec3f(const kernels::Light& direct, const kernels::Light& caustic)>;

@@ -1,13 +1,12 @@
 // Volumes made by others as media.
+#include "volume/foreign_grids.h"
 #include "volume/grid_values.h"
 #include "volume/grids.h"
 #include "volume/lattice.h"
 #include "volume/optics.h"
 #include "volume/scalar_grid.h"
-#include "volume/vdb_file.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <sstream>
 
@@ -19,8 +18,6 @@ using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
 
 constexpr int kMaxDims = 1 << 15;
-constexpr float kLargest = 1e9f;  ///< of a coefficient, as in a scene file
-constexpr float kForward = 0.99f; ///< of the asymmetry
 
 [[noreturn]] void fail(const std::string& place, const std::string& what) {
   throw Error(ErrorKind::Input, place + ": " + what);
@@ -38,9 +35,7 @@ void requireMappings(const MediumImport& import) {
     throw Error(ErrorKind::Usage, "import: " + std::to_string(import.padding) + " voxels of padding are not possible");
   for (const auto* mapping :
        {&import.index, &import.attenuation, &import.scattering, &import.asymmetry, &import.coverage})
-    for (int c = 0; *mapping && c < 3; ++c)
-      if (!std::isfinite((*mapping)->scale[c]) || !std::isfinite((*mapping)->offset[c]))
-        throw Error(ErrorKind::Usage, "import: scale and offset of grid '" + (*mapping)->grid + "' must be finite");
+    if (*mapping) requireFinite(**mapping, "import");
 }
 
 std::vector<std::string> mappedNames(const MediumImport& import) {
@@ -50,25 +45,6 @@ std::vector<std::string> mappedNames(const MediumImport& import) {
     if (*mapping) names.push_back((*mapping)->grid);
   if (import.body) names.push_back(*import.body);
   return names;
-}
-
-/// The grids of these names. \throws Error(Input) listing what there is when one is absent or no numbers.
-GridSelection mappable(const std::string& place, const std::vector<std::string>& names) {
-  return [=](std::span<const GridName> grids) {
-    for (const std::string& name : names) {
-      const auto found = std::find_if(grids.begin(), grids.end(), [&](const GridName& g) { return g.name == name; });
-      if (found == grids.end()) fail(place, "holds no grid '" + name + "'; it holds " + listGrids(grids));
-      if (!isScalarType(found->type) && !isVectorType(found->type))
-        fail(place, "grid '" + name + "' is of type " + found->type + ", which holds no field of numbers or vectors");
-    }
-    return gridsNamed(names)(grids);
-  };
-}
-
-void requireLinear(const openvdb::GridBase& grid, const std::string& place) {
-  if (!grid.transform().isLinear())
-    fail(place, "grid '" + grid.getName() +
-                    "' has a frustum for a transform; resample it to a box in the program that made it");
 }
 
 double smallestEdge(const openvdb::GridBase& grid) {
@@ -166,51 +142,20 @@ private:
   Domain mDomain;
 };
 
-/// What a mapping's values may be. Remembers what it met, from all threads.
-class Range {
-public:
-  Range(float low, float high) : mLow(low), mHigh(high) {}
-
-  float operator()(float value) {
-    if (!std::isfinite(value)) mNotFinite = true;
-    const float kept = std::clamp(value, mLow, mHigh);
-    if (kept != value) mClamped = true;
-    return kept;
-  }
-  void report(const std::string& property, const std::string& grid, const std::string& place,
-              const RunContext& ctx) const {
-    if (mNotFinite) fail(place, "grid '" + grid + "' holds values that are not finite");
-    if (!mClamped) return;
-    std::ostringstream line;
-    line << place << ": " << property << ": values of grid '" << grid << "' beyond " << mLow << " to " << mHigh
-         << " were clamped; see its scale and offset";
-    ctx.warn(line.str());
-  }
-
-private:
-  float mLow, mHigh;
-  std::atomic<bool> mNotFinite{false}, mClamped{false};
-};
-
-float mappedTo(const GridMapping& mapping, int channel, float value) {
-  return static_cast<float>(mapping.offset[channel] + mapping.scale[channel] * value);
-}
-
 FloatGrid::Ptr mappedScalar(const Source& source, const char* property, const GridMapping& mapping, float low,
                             float high, const RunContext& ctx) {
-  Range range(low, high);
+  MappedRange range(low, high);
   auto result = mappedGrid<FloatGrid>(*source.scalar(mapping.grid), Active::OtherThanNothing, ctx,
-                                      [&](float value) { return range(mappedTo(mapping, 0, value)); });
+                                      [&](float value) { return range(mapping, 0, value); });
   range.report(property, mapping.grid, source.place(), ctx);
   return result;
 }
 
 Vec3SGrid::Ptr mappedSpectrum(const Source& source, const char* property, const GridMapping& mapping,
                               const RunContext& ctx) {
-  Range range(0, kLargest);
+  MappedRange range(0, kLargestCoefficient);
   const auto rgb = [&](float r, float g, float b) {
-    return openvdb::Vec3s(range(mappedTo(mapping, 0, r)), range(mappedTo(mapping, 1, g)),
-                          range(mappedTo(mapping, 2, b)));
+    return openvdb::Vec3s(range(mapping, 0, r), range(mapping, 1, g), range(mapping, 2, b));
   };
   Vec3SGrid::Ptr result;
   if (source.isVector(mapping.grid))
@@ -226,7 +171,7 @@ Vec3SGrid::Ptr mappedSpectrum(const Source& source, const char* property, const 
 /// Of a level set half a voxel on either side of the surface is a ramp; a fog volume is coverage itself.
 FloatGrid::Ptr bodyCoverage(const Source& source, const std::string& name, bool isLevelSet, const RunContext& ctx) {
   const auto h = static_cast<float>(source.domain().voxelSize);
-  Range finite(-std::numeric_limits<float>::max(), std::numeric_limits<float>::max());
+  MappedRange finite(-std::numeric_limits<float>::max(), std::numeric_limits<float>::max());
   auto result = mappedGrid<FloatGrid>(*source.scalar(name), Active::OtherThanNothing, ctx, [&](float value) {
     finite(value);
     return std::clamp(isLevelSet ? 0.5f - value / h : value, 0.0f, 1.0f);
@@ -306,7 +251,7 @@ MediumGrids mappedProperties(const Source& source, const MediumImport& import, A
     ambient.scattering = backgroundOf(*grids.scattering);
   }
   if (import.asymmetry) {
-    const auto asymmetry = mappedScalar(source, "asymmetry", *import.asymmetry, -kForward, kForward, ctx);
+    const auto asymmetry = mappedScalar(source, "asymmetry", *import.asymmetry, -kForwardMost, kForwardMost, ctx);
     ambient.asymmetry = asymmetry->background();
     grids.asymmetry = asymmetry;
   }
@@ -319,7 +264,7 @@ MediumGrids mappedProperties(const Source& source, const MediumImport& import, A
 Medium importMedium(const std::filesystem::path& path, const MediumImport& import, const RunContext& ctx) {
   requireMappings(import);
   const std::string place = path.string();
-  const VdbFile file = readVdbFile(path, ctx, mappable(place, mappedNames(import)));
+  const VdbFile file = readVdbFile(path, ctx, mappableGrids(place, mappedNames(import)));
   const Source source(file, import, place, ctx);
   ctx.progress("map", 0);
   Ambient ambient = import.ambient;

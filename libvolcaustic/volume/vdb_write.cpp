@@ -38,8 +38,9 @@ openvdb::GridBase::Ptr described(const std::shared_ptr<GridType>& grid, const ch
   if (grid->template isType<openvdb::Vec3SGrid>())
     copy->setVectorType(std::string_view(name) == "direction" ? openvdb::VEC_CONTRAVARIANT_RELATIVE
                                                               : openvdb::VEC_INVARIANT);
+  const std::string_view kind = std::string_view(name).substr(0, std::string_view(name).find('_')); // of which light
   for (const GridMeaning& meaning : kMeanings)
-    if (std::string_view(meaning.name) == name) {
+    if (meaning.name == kind) {
       copy->insertMeta("symbol", openvdb::StringMetadata(meaning.symbol));
       copy->insertMeta("unit", openvdb::StringMetadata(meaning.unit));
     }
@@ -100,21 +101,24 @@ void writeVdb(const std::filesystem::path& path, const Medium& medium, const Vdb
   writeVdbFile(path, list, fileMetadata(medium), options, ctx);
 }
 
-void writeVdb(const std::filesystem::path& path, const RadianceVolume& radiance, const Medium& medium,
+void writeVdb(const std::filesystem::path& path, const PhotonResult& photons, const Medium& medium,
               const VdbWriteOptions& options, const RunContext& ctx) {
   initialiseOpenVdb();
+  const RadianceVolume& radiance = photons.radiance;
   const Domain& domain = radiance.domain();
   if (domain.dims != medium.domain().dims)
     throw Error(ErrorKind::Usage, path.string() + ": the radiance volume and the medium have different domains");
   const RadianceBricks& light = radiance.bricks();
   const double factor = std::exp2(options.exposure);
   // All grids at once, and bricks of two of them.
-  ctx.requireMemory(light.varyingBricks().size() * kBrickVoxels * sizeof(Vec3f) * (options.parts ? 8 : 6),
+  const std::size_t parts = options.parts ? 3 : 1;
+  ctx.requireMemory(light.varyingBricks().size() * kBrickVoxels * sizeof(Vec3f) *
+                        (5 + parts * (1 + photons.lights.size())),
                     path.string());
 
   openvdb::GridPtrVec list;
-  const auto addLight = [&](const BrickGrid<Vec3f>& values, const char* name) {
-    list.push_back(described(lightGrid(values, domain, name), name, openvdb::GRID_FOG_VOLUME));
+  const auto addLight = [&](const BrickGrid<Vec3f>& values, const std::string& name) {
+    list.push_back(described(lightGrid(values, domain, name.c_str()), name.c_str(), openvdb::GRID_FOG_VOLUME));
     list.back()->insertMeta(metadata_key::kExposure, openvdb::DoubleMetadata(options.exposure));
   };
   const BrickGrid<Vec3f> total = radianceBricks(light, factor, ctx);
@@ -122,13 +126,26 @@ void writeVdb(const std::filesystem::path& path, const RadianceVolume& radiance,
   list.push_back(described(directionGrid(directionBricks(light, ctx), domain), "direction", openvdb::GRID_UNKNOWN));
   addLight(emissionBricks(total, medium, ctx), "emission");
   list.push_back(described(densityGrid(medium, ctx), "density", openvdb::GRID_FOG_VOLUME));
-  if (options.parts) {
-    addLight(causticBricks(light, factor, ctx), "caustic");
-    addLight(directBricks(light, factor, ctx), "direct");
+  const auto addParts = [&](const RadianceBricks& of, const std::string& suffix) {
+    if (!options.parts) return;
+    addLight(causticBricks(of, factor, ctx), "caustic" + suffix);
+    addLight(directBricks(of, factor, ctx), "direct" + suffix);
+  };
+  addParts(light, "");
+  for (const PhotonResult& one : photons.lights) {
+    addLight(radianceBricks(one.radiance.bricks(), factor, ctx), "radiance_" + one.light);
+    addParts(one.radiance.bricks(), "_" + one.light);
   }
   openvdb::MetaMap metadata = fileMetadata(medium);
   metadata.insertMeta(metadata_key::kExposure, openvdb::DoubleMetadata(options.exposure));
   writeVdbFile(path, list, metadata, options, ctx);
+}
+
+void writeVdb(const std::filesystem::path& path, const RadianceVolume& radiance, const Medium& medium,
+              const VdbWriteOptions& options, const RunContext& ctx) {
+  PhotonResult photons;
+  photons.radiance = radiance;
+  writeVdb(path, photons, medium, options, ctx);
 }
 
 } // namespace volcaustic

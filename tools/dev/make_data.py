@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Generates every mesh of data/meshes. Needs numpy only.
+"""Generates every mesh of data/meshes and every volume of data/volumes. Needs numpy, and python3-openvdb for volumes.
 
-    tools/dev/make_data.py [FOLDER]      writes into FOLDER, by default data/meshes
+    tools/dev/make_data.py [--into FOLDER] [NAME...]      writes all, or the named files, into data or another FOLDER
 
 Lengths are metres in the glass's own size of about one; z is up; triangles are counter-clockwise seen from outside.
 """
 
+import argparse
 import pathlib
 import sys
 
@@ -219,15 +220,77 @@ def convex_solid(planes):
     return vertices, np.array(triangles)
 
 
+def write_volume(path, name, values, first, voxel, background):
+    """A .vdb with one grid of floats: `values` at the voxels from index `first` on, whose edges are `voxel`; voxels of
+    the background are left out."""
+    import pyopenvdb
+
+    grid = pyopenvdb.FloatGrid(background)
+    grid.copyFromArray(np.ascontiguousarray(values, dtype=np.float32), ijk=first, tolerance=0)
+    grid.name = name
+    grid.transform = pyopenvdb.createLinearTransform(
+        [[voxel[0], 0, 0, 0], [0, voxel[1], 0, 0], [0, 0, voxel[2], 0], [0, 0, 0, 1]])
+    pyopenvdb.write(str(path), grids=[grid], metadata={"creator": "tools/dev/make_data.py of volcaustic"})
+    print(f"{path.name}: {name} from {values.min():g} to {values.max():g}, {grid.activeVoxelCount()} voxels, "
+          f"{path.stat().st_size} bytes")
+
+
+def fibre(path, core=1.55, cladding=1.4, radius=0.4, half_length=5.0):
+    """Graded-index fibre along x: n^2 = core^2 (1 - (g rho)^2) that falls to the cladding's at `radius`. Light comes
+    back to the axis every pi/g. It does not change along x, so its voxels are long."""
+    g = np.sqrt(1 - (cladding / core) ** 2) / radius
+    voxel = (0.5, 0.0125, 0.0125)
+    across = int(radius / voxel[1]) + 2
+    along = int(half_length / voxel[0]) + 1
+    y, z = np.meshgrid(*2 * [np.arange(-across, across + 1) * voxel[1]], indexing="ij")
+    inside = core * np.sqrt(np.clip(1 - (g * g) * (y * y + z * z), 0, 1))
+    section = np.maximum(inside, cladding)
+    values = np.broadcast_to(section, (2 * along + 1, *section.shape))
+    write_volume(path, "index", values, (-along, -across, -across), voxel, cladding)
+
+
+def hot_ground(path, air=293.15, ground=343.15, height=0.15):
+    """Temperature in kelvin over a road of 20 by 20 in the sun: hot at z = 0, of the air above it, with warmer and
+    cooler places and a layer that is thicker here and thinner there."""
+    voxel = (0.3125, 0.3125, 0.05)
+    side, up = 33, 28
+    x, y, z = np.meshgrid(np.arange(-side, side + 1) * voxel[0], np.arange(-side, side + 1) * voxel[1],
+                          np.arange(0, up) * voxel[2], indexing="ij")
+    random = np.random.default_rng(1)
+    waves = np.zeros_like(x)
+    for _ in range(12):
+        direction, phase = random.uniform(0, np.pi), random.uniform(0, 2 * np.pi)
+        wavelength = random.uniform(2, 7)
+        waves += np.sin(2 * np.pi * (x * np.cos(direction) + y * np.sin(direction)) / wavelength + phase)
+    waves /= np.sqrt(12 / 2)
+    warmth = (ground - air) * (1 + 0.1 * waves) * np.exp(-z / (height * (1 + 0.2 * waves)))
+    top = np.clip((up * voxel[2] - z) / (4 * voxel[2]), 0, 1)  # fades out where the grid ends
+    write_volume(path, "temperature", air + warmth * top, (-side, -side, 0), voxel, air)
+
+
+MESHES = {
+    "glass_ball.ply": lambda path: write_ply(path, *icosphere(5), "unit sphere, icosphere of five subdivisions"),
+    "goblet.ply": lambda path: write_ply(path, *goblet(), "wine goblet with wall, stem and foot"),
+    "wine.ply": lambda path: write_ply(path, *wine(), "wine for goblet.ply, reaching a little into its wall"),
+    "torus_knot.ply": lambda path: write_ply(path, *torus_knot(), "(2,3) torus knot, tube radius 0.22"),
+    "gem.ply": lambda path: write_ply(path, *convex_solid(gem_planes()), "round brilliant, radius 1"),
+}
+VOLUMES = {"fibre.vdb": fibre, "hot_ground.vdb": hot_ground}
+
+
 def main():
-    root = pathlib.Path(__file__).resolve().parents[2]
-    folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else root / "data" / "meshes"
-    folder.mkdir(parents=True, exist_ok=True)
-    write_ply(folder / "glass_ball.ply", *icosphere(5), "unit sphere, icosphere of five subdivisions")
-    write_ply(folder / "goblet.ply", *goblet(), "wine goblet with wall, stem and foot")
-    write_ply(folder / "wine.ply", *wine(), "wine for goblet.ply, reaching a little into its wall")
-    write_ply(folder / "torus_knot.ply", *torus_knot(), "(2,3) torus knot, tube radius 0.22")
-    write_ply(folder / "gem.ply", *convex_solid(gem_planes()), "round brilliant, radius 1")
+    data = pathlib.Path(__file__).resolve().parents[2] / "data"
+    parser = argparse.ArgumentParser(description="writes the meshes and volumes of data/")
+    parser.add_argument("--into", metavar="FOLDER", type=pathlib.Path, default=data)
+    parser.add_argument("names", metavar="NAME", nargs="*", help=", ".join([*MESHES, *VOLUMES]))
+    options = parser.parse_args()
+    if unknown := set(options.names) - {*MESHES, *VOLUMES}:
+        parser.error(f"{unknown.pop()} is not among {', '.join([*MESHES, *VOLUMES])}")
+    for folder, makers in (("meshes", MESHES), ("volumes", VOLUMES)):
+        for name, make in makers.items():
+            if not options.names or name in options.names:
+                (options.into / folder).mkdir(parents=True, exist_ok=True)
+                make(options.into / folder / name)
 
 
 if __name__ == "__main__":

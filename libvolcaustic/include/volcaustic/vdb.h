@@ -5,6 +5,7 @@
 #include "volcaustic/export.h"
 #include "volcaustic/image.h"
 #include "volcaustic/medium.h"
+#include "volcaustic/medium_volume.h"
 #include "volcaustic/photons.h"
 #include "volcaustic/run_context.h"
 
@@ -33,20 +34,17 @@ VOLCAUSTIC_API void writeVdb(const std::filesystem::path& path, const Medium& me
 VOLCAUSTIC_API void writeVdb(const std::filesystem::path& path, const RadianceVolume& radiance, const Medium& medium,
                              const VdbWriteOptions& options = {}, const RunContext& ctx = {});
 
+/// The same of a photon pass: where its lights were traced one by one, also radiance_NAME of each (lightLayers), and
+/// with the parts caustic_NAME and direct_NAME.
+VOLCAUSTIC_API void writeVdb(const std::filesystem::path& path, const PhotonResult& photons, const Medium& medium,
+                             const VdbWriteOptions& options = {}, const RunContext& ctx = {});
+
 /// Reads a medium: `index` (any float grid of that name), and attenuation, scattering, asymmetry, coverage where
 /// present. The domain is the box of the file's own metadata, else the active voxels of `index`.
 VOLCAUSTIC_API Medium readMedium(const std::filesystem::path& path, const RunContext& ctx = {});
 /// Reads `radiance` and `direction` (and the parts, where present) as written by writeVdb onto a given domain.
 VOLCAUSTIC_API RadianceVolume readRadiance(const std::filesystem::path& path, const Domain& domain,
                                            const RunContext& ctx = {});
-
-/// What a grid made by others means: value = offset + scale * grid, channel by channel. A grid of numbers is a grey
-/// one; of vectors, index, asymmetry and coverage take the length, in the first channel.
-struct GridMapping {
-  std::string grid;    ///< its name in the file
-  Rgb scale{1, 1, 1};  ///< what one unit of the grid is
-  Rgb offset{0, 0, 0}; ///< value where the grid is 0
-};
 
 /// Which grids of a file become a medium. What no grid is named for is the ambient value everywhere; scattering without
 /// attenuation is taken for both.
