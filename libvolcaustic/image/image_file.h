@@ -9,10 +9,14 @@
 
 namespace volcaustic {
 
-/// The channels of `image` that `layers` names, in the image's order; all of them when it names none. A `*` stands for
-/// any letters. \throws Error(Usage) "place: ..." when a name fits no channel.
-std::vector<std::size_t> chosenChannels(const Image& image, const std::vector<std::string>& layers,
-                                        const std::string& place);
+/// Numbers of the channels that `layers` names, in their order; all of them when it names none. A `*` stands for any
+/// letters. \throws Error(Usage) "place: ..." when a name fits no channel.
+std::vector<std::size_t> chosenChannels(const std::vector<std::string>& channels,
+                                        const std::vector<std::string>& layers, const std::string& place);
+
+/// R, G and B of the picture, else of the first layer that has them, else an only channel or Y as grey, else nothing:
+/// what of the chosen channels is colour.
+std::vector<std::size_t> colourChannels(const Image& image, const std::vector<std::size_t>& chosen);
 
 /// Writes the channels to one multi-layer OpenEXR part. \throws Error(File).
 void writeExr(const std::filesystem::path& target, const Image& image, const std::vector<std::size_t>& channels,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace volcaustic {
 
@@ -20,80 +21,81 @@ bool fits(std::string_view pattern, std::string_view name) {
   return false;
 }
 
-std::string namesOf(const Image& image) {
+std::string namesOf(const std::vector<std::string>& channels) {
   constexpr std::size_t kMost = 24;
   std::string names;
-  for (std::size_t i = 0; i < std::min(image.channels.size(), kMost); ++i)
-    names += (i == 0 ? "" : ", ") + image.channels[i];
-  return names + (image.channels.size() > kMost ? ", ..." : "");
+  for (std::size_t i = 0; i < std::min(channels.size(), kMost); ++i) names += (i == 0 ? "" : ", ") + channels[i];
+  return names + (channels.size() > kMost ? ", ..." : "");
 }
 
-/// Finds planes among the chosen channels of an image by name.
-class Chosen {
-public:
-  Chosen(const Image& image, const std::vector<std::size_t>& channels) : mImage(image), mChannels(channels) {}
+/// The one of this name among the chosen channels of an image.
+std::optional<std::size_t> channelOf(const Image& image, const std::vector<std::size_t>& chosen,
+                                     const std::string& name) {
+  const auto found =
+      std::find_if(chosen.begin(), chosen.end(), [&](std::size_t i) { return image.channels[i] == name; });
+  return found == chosen.end() ? std::nullopt : std::optional(*found);
+}
 
-  const std::vector<float>* plane(const std::string& name) const {
-    for (const std::size_t i : mChannels)
-      if (mImage.channels[i] == name) return &mImage.planes[i];
-    return nullptr;
-  }
-  /// R, G and B of a layer ("caustic." or ""), or nothing.
-  std::vector<const std::vector<float>*> layer(const std::string& name) const {
-    std::vector<const std::vector<float>*> rgb{plane(name + "R"), plane(name + "G"), plane(name + "B")};
-    if (std::find(rgb.begin(), rgb.end(), nullptr) != rgb.end()) rgb.clear();
-    return rgb;
-  }
-  /// The first whole layer that has a name, else an only channel as grey, else nothing.
-  std::vector<const std::vector<float>*> layerOrGrey() const {
-    for (const std::size_t i : mChannels) {
-      const std::string& name = mImage.channels[i];
-      if (!name.ends_with(".R")) continue;
-      if (auto rgb = layer(name.substr(0, name.size() - 1)); !rgb.empty()) return rgb;
-    }
-    const std::vector<float>* grey = mChannels.size() == 1 ? &mImage.planes[mChannels[0]] : plane("Y");
-    return grey ? std::vector{grey} : std::vector<const std::vector<float>*>{};
-  }
-
-private:
-  const Image& mImage;
-  const std::vector<std::size_t>& mChannels;
-};
+/// R, G and B of a layer ("caustic." or "") among the chosen channels, or nothing.
+std::vector<std::size_t> layerOf(const Image& image, const std::vector<std::size_t>& chosen, const std::string& layer) {
+  std::vector<std::size_t> rgb;
+  for (const char* colour : {"R", "G", "B"})
+    if (const auto channel = channelOf(image, chosen, layer + colour)) rgb.push_back(*channel);
+  if (rgb.size() < 3) rgb.clear();
+  return rgb;
+}
 
 } // namespace
 
-std::vector<std::size_t> chosenChannels(const Image& image, const std::vector<std::string>& layers,
-                                        const std::string& place) {
-  std::vector<bool> chosen(image.channels.size(), layers.empty());
+std::vector<std::size_t> chosenChannels(const std::vector<std::string>& channels,
+                                        const std::vector<std::string>& layers, const std::string& place) {
+  std::vector<bool> chosen(channels.size(), layers.empty());
   for (const std::string& pattern : layers) {
     bool any = false;
-    for (std::size_t i = 0; i < image.channels.size(); ++i)
-      if (fits(pattern, image.channels[i])) any = chosen[i] = true;
+    for (std::size_t i = 0; i < channels.size(); ++i)
+      if (fits(pattern, channels[i])) any = chosen[i] = true;
     if (!any)
-      throw Error(ErrorKind::Usage, place + ": no channel is called '" + pattern + "'; there are " + namesOf(image) +
+      throw Error(ErrorKind::Usage, place + ": no channel is called '" + pattern + "'; there are " + namesOf(channels) +
                                         " (caustic.* for all of a layer)");
   }
-  std::vector<std::size_t> channels;
+  std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < chosen.size(); ++i)
-    if (chosen[i]) channels.push_back(i);
-  return channels;
+    if (chosen[i]) numbers.push_back(i);
+  return numbers;
+}
+
+void checkLayers(const std::filesystem::path& path, const std::vector<std::string>& channels,
+                 const std::vector<std::string>& layers) {
+  (void)chosenChannels(channels, layers, path.string());
+}
+
+std::vector<std::size_t> colourChannels(const Image& image, const std::vector<std::size_t>& chosen) {
+  if (auto rgb = layerOf(image, chosen, ""); !rgb.empty()) return rgb;
+  for (const std::size_t i : chosen) {
+    const std::string& name = image.channels[i];
+    if (!name.ends_with(".R")) continue;
+    if (auto rgb = layerOf(image, chosen, name.substr(0, name.size() - 1)); !rgb.empty()) return rgb;
+  }
+  if (chosen.size() == 1) return chosen;
+  const auto grey = channelOf(image, chosen, "Y");
+  return grey ? std::vector{*grey} : std::vector<std::size_t>{};
 }
 
 ColourPlanes colourPlanes(const Image& image, const std::vector<std::size_t>& channels, bool alpha,
                           const std::string& place) {
-  const Chosen chosen(image, channels);
   ColourPlanes planes;
-  planes.colours = chosen.layer("");
-  const bool picture = !planes.colours.empty();
-  if (!picture) planes.colours = chosen.layerOrGrey();
+  for (const std::size_t i : colourChannels(image, channels)) planes.colours.push_back(&image.planes[i]);
   if (planes.colours.empty())
     throw Error(ErrorKind::Usage, place + ": needs channels R, G and B of one layer, or a single channel; there are " +
-                                      namesOf(image) + "; choose a layer, or write an .exr");
+                                      namesOf(image.channels) + "; choose a layer, or write an .exr");
+  const bool picture = !layerOf(image, channels, "").empty();
 
   const std::array background{image.find("background.R"), image.find("background.G"), image.find("background.B")};
   const bool knowsBackground = picture && std::find(background.begin(), background.end(), -1) == background.end();
-  const std::vector<float>* opacity =
-      alpha && image.find("A") >= 0 ? &image.planes[image.find("A")] : chosen.plane("A");
+  const auto chosenAlpha = channelOf(image, channels, "A");
+  const std::vector<float>* opacity = alpha && image.find("A") >= 0 ? &image.planes[image.find("A")]
+                                      : chosenAlpha                 ? &image.planes[*chosenAlpha]
+                                                                    : nullptr;
   if (alpha && (!opacity || !picture))
     throw Error(ErrorKind::Usage, place + ": the image has no alpha (channel A beside R, G and B); write it without");
   if (alpha && knowsBackground)

@@ -71,7 +71,7 @@ void writeImage(const std::filesystem::path& path, const Image& image, const Ima
                 const RunContext& ctx) {
   requireSound(path, image, options);
   ctx.throwIfCancelled();
-  const std::vector<std::size_t> channels = chosenChannels(image, options.layers, path.string());
+  const std::vector<std::size_t> channels = chosenChannels(image.channels, options.layers, path.string());
   AtomicFile file(path);
   if (extensionOf(path) == ".exr") {
     try {

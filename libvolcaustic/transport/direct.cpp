@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "transport/emission.h"
 #include "transport/lit_raster.h"
+#include "transport/many_lamps.h"
 
 #include <algorithm>
 #include <map>
@@ -225,12 +226,13 @@ private:
   /// A brick's light and that of one voxel around it.
   class Neighbourhood {
   public:
-    explicit Neighbourhood(const Impl& impl) : mImpl(impl), mParts(kAroundPadded), mSums(kAroundVoxels * 8) {}
+    explicit Neighbourhood(const Impl& impl)
+        : mImpl(impl), mBricksOf(impl.mLamps.size()), mParts(kAroundPadded), mSums(kAroundVoxels * 8) {}
 
     void finish(std::int64_t brick, bool smooth, kernels::FluenceVoxel* out) {
       std::fill(mSums.begin(), mSums.end(), 0.0f);
       const Int3 c = mImpl.brickCoord(brick), low = mImpl.firstVoxel(brick);
-      for (std::int32_t lamp = 0; lamp < static_cast<std::int32_t>(mImpl.mLamps.size()); ++lamp) addLamp(lamp, c, low);
+      addLamps(c, low);
       mImpl.forAround(c, [&](std::int64_t other, int i) { addEdges(other, i); });
       kernels::LightSums<float> sums{mSums.data(), nullptr, 0, {}, {}, 1, smooth};
       for (int a = 0; a < 3; ++a) {
@@ -255,20 +257,33 @@ private:
           for (int z = zs.begin; z < zs.end; ++z) visit(x, y, z);
     }
 
-    void addLamp(std::int32_t lamp, const Int3& brick, const Int3& low) {
-      const auto lights = [&](std::int64_t b) {
-        const auto& set = mImpl.mSets[mImpl.mSetOf[b]];
-        return std::binary_search(set.begin(), set.end(), lamp);
-      };
-      std::fill(mParts.begin(), mParts.end(), 1.0f);
-      bool any = false;
+    /// Light of lamps in the bricks that they light as a whole.
+    void addLamps(const Int3& brick, const Int3& low) {
+      std::fill(mBricksOf.begin(), mBricksOf.end(), 0u);
+      std::uint32_t inside = 0; // bits of the bricks around
       mImpl.forAround(brick, [&](std::int64_t b, int i) {
-        any = any || lights(b);
-        if (!lights(b)) forVoxels(i, [&](int x, int y, int z) { mParts[(x * 10 + y) * 10 + z] = 0; });
+        inside |= 1u << i;
+        for (const std::int32_t lamp : mImpl.mSets[mImpl.mSetOf[b]]) mBricksOf[lamp] |= 1u << i;
       });
-      if (any)
-        mLanes.lightAround(mImpl.mLamps[lamp], {low.x - 1, low.y - 1, low.z - 1}, mImpl.mDims, mParts.data(),
-                           mSums.data());
+      const auto isSmooth = [&](std::size_t lamp) {
+        return mBricksOf[lamp] == inside && ManyLamps::takes(mImpl.mLamps[lamp]);
+      };
+      std::size_t smooth = 0;
+      for (std::size_t lamp = 0; lamp < mBricksOf.size(); ++lamp) smooth += isSmooth(lamp);
+      ManyLamps many(low, mImpl.mDims);
+      for (std::size_t lamp = 0; lamp < mBricksOf.size(); ++lamp) {
+        if (smooth >= ManyLamps::kFewest && isSmooth(lamp))
+          many.add(mImpl.mLamps[lamp]);
+        else if (mBricksOf[lamp] != 0)
+          addLamp(mImpl.mLamps[lamp], inside & ~mBricksOf[lamp], low);
+      }
+      if (smooth >= ManyLamps::kFewest) many.spread(mSums.data());
+    }
+    void addLamp(const Lamp& lamp, std::uint32_t dark, const Int3& low) {
+      std::fill(mParts.begin(), mParts.end(), 1.0f);
+      for (int i = 0; i < 27; ++i)
+        if (dark >> i & 1) forVoxels(i, [&](int x, int y, int z) { mParts[(x * 10 + y) * 10 + z] = 0; });
+      mLanes.lightAround(lamp, {low.x - 1, low.y - 1, low.z - 1}, mImpl.mDims, mParts.data(), mSums.data());
     }
 
     void addEdges(std::int64_t other, int i) {
@@ -283,6 +298,7 @@ private:
 
     const Impl& mImpl;
     const LaneSet& mLanes = laneSet("");
+    std::vector<std::uint32_t> mBricksOf; ///< of each lamp: bits of the bricks around that it lights as a whole
     std::vector<float> mParts, mSums;
   };
 

@@ -15,11 +15,23 @@ using kernels::Int3;
 
 namespace {
 
-constexpr int kTile = 4; // raster cells along a tile's edge
+/// Raster cells along a tile's edge: fewer where cells of parallel light are large, so that tiles are not much wider
+/// than voxels.
+int tileEdge(const EmissionFrame& frame) {
+  constexpr int kMost = 4;
+  return frame.point ? kMost : std::clamp(static_cast<int>(2 / std::max(frame.du, frame.dv)), 1, kMost);
+}
 
 Double3 centreOf(const Int3& voxel) { return Double3(voxel) + Double3(0.5); }
 
 } // namespace
+
+int cubeFaceTowards(const Double3& r) {
+  const Double3 size{std::abs(r.x), std::abs(r.y), std::abs(r.z)};
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  return 2 * axis + (r[axis] > 0);
+}
+bool isCubeFace(const EmissionFrame& frame, int face) { return frame.axisW[face / 2] * (face % 2 == 0 ? -1 : 1) > 0.5; }
 
 LitRaster::LitRaster(const EmissionFrame& frame, std::span<const float> entry, const RunContext& ctx)
     : mFrame(frame)
@@ -29,17 +41,18 @@ LitRaster::LitRaster(const EmissionFrame& frame, std::span<const float> entry, c
 
 LitRaster::TileDepths LitRaster::tileDepths(const EmissionFrame& frame, std::span<const float> entry,
                                             const RunContext& ctx) {
-  TileDepths t{(frame.columns + kTile - 1) / kTile, (frame.rows + kTile - 1) / kTile, {}, {}};
+  const int edge = tileEdge(frame);
+  TileDepths t{edge, (frame.columns + edge - 1) / edge, (frame.rows + edge - 1) / edge, {}, {}};
   t.nearest.assign(std::size_t(t.columns) * t.rows, kernels::kNeverBends);
   t.farthest.assign(t.nearest.size(), 0);
   parallelFor(t.rows, 4, ctx, [&](std::int64_t begin, std::int64_t end, int) {
-    for (auto y = begin * kTile; y < std::min<std::int64_t>(end * kTile, frame.rows); ++y) {
+    for (auto y = begin * edge; y < std::min<std::int64_t>(end * edge, frame.rows); ++y) {
       const float* row = entry.data() + y * frame.columns;
-      float* nearest = t.nearest.data() + y / kTile * t.columns;
-      float* farthest = t.farthest.data() + y / kTile * t.columns;
+      float* nearest = t.nearest.data() + y / edge * t.columns;
+      float* farthest = t.farthest.data() + y / edge * t.columns;
       for (int x = 0; x < frame.columns; ++x) {
-        nearest[x / kTile] = std::min(nearest[x / kTile], row[x]);
-        farthest[x / kTile] = std::max(farthest[x / kTile], row[x]);
+        nearest[x / edge] = std::min(nearest[x / edge], row[x]);
+        farthest[x / edge] = std::max(farthest[x / edge], row[x]);
       }
     }
   });
@@ -48,8 +61,9 @@ LitRaster::TileDepths LitRaster::tileDepths(const EmissionFrame& frame, std::spa
 
 LitRaster::Bends LitRaster::bends(const Footprint& f) const {
   Bends b{kernels::kNeverBends, 0};
-  for (int ty = f.v0 / kTile; ty <= (f.v1 - 1) / kTile; ++ty)
-    for (int tx = f.u0 / kTile; tx <= (f.u1 - 1) / kTile; ++tx) {
+  const int edge = mTiles.edge;
+  for (int ty = f.v0 / edge; ty <= (f.v1 - 1) / edge; ++ty)
+    for (int tx = f.u0 / edge; tx <= (f.u1 - 1) / edge; ++tx) {
       b.nearest = std::min(b.nearest, mTiles.nearest[ty * mTiles.columns + tx]);
       b.farthest = std::max(b.farthest, mTiles.farthest[ty * mTiles.columns + tx]);
     }
@@ -205,21 +219,13 @@ kernels::LitLengths<double> LitRaster::anyLengths(const Int3& voxel, const Footp
 LitRaster::Seen LitRaster::seenPart(const Int3& low, int size) const {
   int first = -1;
   for (int i = 0; i < 8; ++i) {
-    const int face =
-        faceOf(Double3(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0)));
+    const Double3 corner(low.x + (i & 1 ? size : 0), low.y + (i & 2 ? size : 0), low.z + (i & 4 ? size : 0));
+    const int face = cubeFaceTowards(corner - mFrame.origin);
     if (first >= 0 && face != first) return Seen::Part;
     first = face;
   }
-  return isThisFace(first) ? Seen::All : Seen::Nothing;
+  return isCubeFace(mFrame, first) ? Seen::All : Seen::Nothing;
 }
-
-/// The face that sees a point: the one along the largest coordinate, the first of equals.
-int LitRaster::faceOf(const Double3& p) const {
-  const Double3 r = p - mFrame.origin, size{std::abs(r.x), std::abs(r.y), std::abs(r.z)};
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  return 2 * axis + (r[axis] > 0);
-}
-bool LitRaster::isThisFace(int face) const { return mFrame.axisW[face / 2] * (face % 2 == 0 ? -1 : 1) > 0.5; }
 
 double LitRaster::centreLit(const Int3& voxel) const {
   const Double3 r = centreOf(voxel) - mFrame.origin;
@@ -240,8 +246,10 @@ double LitRaster::share(const Int3& voxel) const {
   if (!mFrame.cubeFace) return 1;
   if (const Seen seen = seenPart(voxel, 1); seen != Seen::Part) return seen == Seen::All ? 1 : 0;
   int seen = 0;
-  for (int i = 0; i < 64; ++i)
-    seen += isThisFace(faceOf(Double3(voxel) + Double3((i & 3) + 0.5, (i >> 2 & 3) + 0.5, (i >> 4) + 0.5) * 0.25));
+  for (int i = 0; i < 64; ++i) {
+    const Double3 p = Double3(voxel) + Double3((i & 3) + 0.5, (i >> 2 & 3) + 0.5, (i >> 4) + 0.5) * 0.25;
+    seen += isCubeFace(mFrame, cubeFaceTowards(p - mFrame.origin));
+  }
   return seen / 64.0;
 }
 

@@ -10,6 +10,12 @@
 
 namespace volcaustic {
 
+/// The face of a cube around a light that sees what is at r from it, 2 * axis + (whether along it): that of the largest
+/// coordinate, the first of equals.
+int cubeFaceTowards(const kernels::Double3& r);
+/// Whether a raster, one of six, is this face.
+bool isCubeFace(const kernels::EmissionFrame& frame, int face);
+
 class LitRaster {
 public:
   /// `entry` is the raster's map of first bends; both stay valid while this lives.
@@ -27,6 +33,7 @@ public:
 private:
   /// Nearest and farthest first bend over the cells of a tile.
   struct TileDepths {
+    int edge; ///< cells along a tile's edge
     int columns, rows;
     std::vector<float> nearest, farthest;
   };
@@ -42,8 +49,6 @@ private:
   [[nodiscard]] double centreLit(const kernels::Int3& voxel) const;
   enum class Seen { All, Part, Nothing };
   [[nodiscard]] Seen seenPart(const kernels::Int3& low, int size) const;
-  [[nodiscard]] int faceOf(const kernels::Double3& p) const;
-  [[nodiscard]] bool isThisFace(int face) const;
   /// Bounds of the first bends over a footprint's tiles.
   struct Bends {
     float nearest, farthest;

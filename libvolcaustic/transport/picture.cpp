@@ -17,10 +17,7 @@ Image emptyImage(const Camera& camera, const RunContext& ctx) {
   Image image;
   image.width = camera.resolution[0];
   image.height = camera.resolution[1];
-  image.channels = {"R", "G", "B", "A"};
-  for (const char* layer : {"caustic", "direct", "background", "transmittance"})
-    for (const char* channel : {".R", ".G", ".B"}) image.channels.push_back(std::string(layer) + channel);
-  image.channels.insert(image.channels.end(), {"depth.Z", "steps.Y"});
+  image.channels = pictureChannels();
   image.planes.resize(image.channels.size());
   parallelFor(static_cast<std::int64_t>(image.planes.size()), 1, ctx, [&](std::int64_t begin, std::int64_t end, int) {
     for (std::int64_t i = begin; i < end; ++i)
@@ -32,6 +29,20 @@ Image emptyImage(const Camera& camera, const RunContext& ctx) {
 std::int32_t tilesAlong(std::int32_t pixels) { return (pixels + kViewTile - 1) / kViewTile; }
 
 } // namespace
+
+std::vector<std::string> pictureChannels(std::span<const std::string> lights) {
+  std::vector<std::string> channels{"R", "G", "B", "A"};
+  const auto addColours = [&](const std::string& layer) {
+    for (const char* colour : {".R", ".G", ".B"}) channels.push_back(layer + colour);
+  };
+  for (const char* layer : {"caustic", "direct", "background", "receiver", "transmittance"}) addColours(layer);
+  channels.insert(channels.end(), {"depth.Z", "steps.Y"});
+  for (const std::string& light : lights) {
+    addColours(light);
+    for (const char* part : kLightParts) addColours(light + "." + part);
+  }
+  return channels;
+}
 
 Picture::Picture(const Camera& camera, const ViewOptions& options, double voxelSize, const RunContext& ctx)
     : mOptions(options)

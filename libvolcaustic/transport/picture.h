@@ -4,9 +4,18 @@
 #include "backends/view_tracer.h"
 #include "volcaustic/view.h"
 
+#include <span>
+#include <string>
 #include <vector>
 
 namespace volcaustic {
+
+/// The layers of a picture whose sum is the light of its lamps.
+inline constexpr const char* kLightParts[] = {"caustic", "direct", "receiver"};
+
+/// The channels of a picture, and of the layers that each of these lights has by itself: `light.R`, `light.caustic.R`,
+/// ...
+std::vector<std::string> pictureChannels(std::span<const std::string> lights = {});
 
 class Picture {
 public:

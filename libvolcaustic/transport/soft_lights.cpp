@@ -2,6 +2,7 @@
 
 #include "kernels/vec.h"
 #include "transport/emission.h"
+#include "transport/environment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,21 +63,49 @@ void check(const Light& light, int number) {
   if (!(light.angle >= 0 && light.angle <= 90)) refuseLight(light, number, "angle must be in 0 to 90 degrees");
   if (!(light.radius >= 0) || !std::isfinite(light.radius))
     refuseLight(light, number, "radius must be finite and not negative");
-  if (light.samples < 1 || light.samples > kMostLightSamples)
-    refuseLight(light, number, "samples must be in 1 to " + std::to_string(kMostLightSamples));
+  if (light.samples < 0 || light.samples > kMostLightSamples)
+    refuseLight(light, number, "samples must be in 0 to " + std::to_string(kMostLightSamples));
+  if (!(light.scale[0] >= 0 && light.scale[1] >= 0 && light.scale[2] >= 0))
+    refuseLight(light, number, "scale must not be negative");
+}
+
+constexpr int kUsualSamples = 16, kUsualEnvironmentSamples = 64;
+
+void addEnvironment(const Light& light, int number, const RunContext& ctx, std::vector<LightPart>& parts) {
+  const kernels::Environment environment =
+      environmentOf(light.environment, "lights[" + std::to_string(number) + "]: environment");
+  const std::vector<EnvironmentPart> suns =
+      environmentParts(environment, light.samples > 0 ? light.samples : kUsualEnvironmentSamples, ctx);
+  const auto luminanceOf = [](const EnvironmentPart& sun) { return kernels::luminance(toDouble3(sun.irradiance)); };
+  double all = 0;
+  for (const EnvironmentPart& sun : suns) all += luminanceOf(sun);
+  for (int i = 0; i < static_cast<int>(suns.size()); ++i) {
+    const double even = 1.0 / static_cast<double>(suns.size());
+    LightPart part{{}, number, i, all > 0 ? 0.5 * even + 0.5 * luminanceOf(suns[i]) / all : even};
+    part.light.name = light.name;
+    for (int c = 0; c < 3; ++c) {
+      part.light.direction[c] = -suns[i].from[c];
+      part.light.irradiance[c] = suns[i].irradiance[c] * light.scale[c];
+    }
+    parts.push_back(std::move(part));
+  }
 }
 
 } // namespace
 
-std::vector<LightPart> partsOf(std::span<const Light> lights) {
+std::vector<LightPart> partsOf(std::span<const Light> lights, const RunContext& ctx) {
   std::vector<LightPart> parts;
   for (int n = 0; n < static_cast<int>(lights.size()); ++n) {
     const Light& light = lights[n];
     check(light, n);
+    if (light.type == LightType::Environment) {
+      addEnvironment(light, n, ctx, parts);
+      continue;
+    }
     const bool sky = light.type == LightType::Directional, soft = sky ? light.angle > 0 : light.radius > 0;
-    const int count = soft ? light.samples : 1;
+    const int count = !soft ? 1 : light.samples > 0 ? light.samples : kUsualSamples;
     for (int i = 0; i < count; ++i) {
-      LightPart part{light, n, i};
+      LightPart part{light, n, i, 1.0 / count};
       part.light.angle = part.light.radius = 0;
       for (double& c : part.light.irradiance) c /= count;
       for (double& c : part.light.intensity) c /= count;

@@ -203,8 +203,8 @@ TEST(SoftLight, WhatMakesNoSenseIsNamed) {
   light.radius = -1;
   EXPECT_EQ(messageOf(light), "lights[0] (key): radius must be finite and not negative");
   light.radius = 1;
-  light.samples = 0;
-  EXPECT_EQ(messageOf(light), "lights[0] (key): samples must be in 1 to 1024");
+  light.samples = -1;
+  EXPECT_EQ(messageOf(light), "lights[0] (key): samples must be in 0 to 1024");
   light.samples = 1;
   light.angle = 100;
   EXPECT_EQ(messageOf(light), "lights[0] (key): angle must be in 0 to 90 degrees");

@@ -65,6 +65,11 @@ struct ImageWriteOptions {
 VOLCAUSTIC_API void writeImage(const std::filesystem::path& path, const Image& image,
                                const ImageWriteOptions& options = {}, const RunContext& ctx = {});
 
+/// What writeImage to `path` would say of ImageWriteOptions::layers for an image of these channels.
+/// \throws Error(Usage).
+VOLCAUSTIC_API void checkLayers(const std::filesystem::path& path, const std::vector<std::string>& channels,
+                                const std::vector<std::string>& layers);
+
 /// Reads any image that OpenImageIO opens, every channel, as linear floats: integer formats are decoded from sRGB,
 /// straight alpha is multiplied in, colours of other primaries (OpenEXR's `chromaticities`) are converted. The metadata
 /// `colorInteropID` says what the file holds: kLinearColours or kDisplayColours.

@@ -2,8 +2,10 @@
 /// Light sources, the photon pass, and the volume of light that it makes.
 #pragma once
 
+#include "volcaustic/background.h"
 #include "volcaustic/export.h"
 #include "volcaustic/medium.h"
+#include "volcaustic/receivers.h"
 #include "volcaustic/run_context.h"
 #include "volcaustic/types.h"
 
@@ -19,7 +21,8 @@ namespace volcaustic {
 enum class LightType {
   Directional, ///< parallel light of a given irradiance
   Point,       ///< equal intensity in all directions
-  Spot         ///< a point light that shines into a cone
+  Spot,        ///< a point light that shines into a cone
+  Environment  ///< what is around the domain, from all directions
 };
 
 struct Light {
@@ -35,7 +38,13 @@ struct Light {
   double angle = 0;
   /// Of the ball that a point light or spot is, world; it looks evenly bright from everywhere. 0 gives sharp shadows.
   double radius = 0;
-  int samples = 16; ///< sharp lights that stand for one with an angle or a radius; they share its photons
+  Rgb scale{1, 1, 1}; ///< multiplies the light of the environment
+  /// Sharp lights that stand for an environment, or for a light with an angle or a radius; they share its photons. 0
+  /// takes 64 for an environment, 16 for others.
+  int samples = 0;
+  /// What an environment shines with, visible or not; its map must be read already (readEnvironment). A Session sets it
+  /// to the scene's background.
+  Background environment{};
 };
 inline constexpr int kMostLightSamples = 1024;
 
@@ -62,6 +71,11 @@ struct PhotonOptions {
   bool roulette = false; ///< below the cutoff play Russian roulette, which keeps the estimate unbiased
   bool jitter = false;   ///< move each photon inside its raster cell, by a hash of seed and cell
   bool smooth = true;    ///< 3x3x3 Gaussian on the finished volume; keeps its total
+  /// Each light is traced by itself, as if there were no other, and kept in PhotonResult::lights.
+  bool separate = false;
+  /// Reflect photons, too, where the index changes within a few voxels, by the chance that Fresnel's equations give
+  /// (docs/algorithms/fresnel.md). Else surfaces let all light through that is not totally reflected.
+  bool fresnel = false;
 };
 
 /// Where the power went, in watts for each channel, and what it took. Everything is summed exactly, so that the figures
@@ -121,17 +135,26 @@ struct PassPart {
 
 struct PhotonResult {
   RadianceVolume radiance;
+  LitReceivers receivers;
   EnergyBalance balance;
-  std::vector<PassPart> parts; ///< in the order in which they ran
-  std::uint64_t sumsBytes = 0; ///< the most memory that the sums of the photons' light took, on whatever machine
+  std::vector<PassPart> parts;        ///< in the order in which they ran
+  std::uint64_t sumsBytes = 0;        ///< the most memory that the sums of the photons' light took, on whatever machine
+  std::string light{};                ///< of one light by itself: its name in lightLayers
+  std::vector<PhotonResult> lights{}; ///< with PhotonOptions::separate: what each light gave by itself
 };
 
+/// What the layers and grids of each light by itself are called: by its name, in which every character but ASCII
+/// letters, digits, - and _ is replaced by _; light0, light1, ... where it has none. \throws Error(Usage) "lights[i]
+/// (name): ..." for names that are not told apart.
+VOLCAUSTIC_API std::vector<std::string> lightLayers(std::span<const Light> lights);
+
 /// Sends photons from every light through the medium and collects their fluence (docs/algorithms/photons.md).
-/// Light that never meets a bend is evaluated, not traced; it is the direct part.
+/// Light that never meets a bend is evaluated, not traced; it is the direct part. Light ends at receivers, inside the
+/// domain's box or beyond it.
 /// \throws Error(Usage) for options and lights out of range, Error(Cancelled).
 VOLCAUSTIC_API PhotonResult tracePhotons(const Medium& medium, std::span<const Light> lights,
                                          const StepFieldOptions& stepField = {}, const PhotonOptions& options = {},
-                                         const RunContext& ctx = {});
+                                         const RunContext& ctx = {}, std::span<const Receiver> receivers = {});
 
 /// A ray in world space and where it went: what the closed-form tests and curious people look at.
 struct TracedRay {

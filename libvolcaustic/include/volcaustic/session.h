@@ -40,6 +40,10 @@ public:
   const PhotonResult& photons();
   /// The observer sees the passes of a view that runs, and is not called for one that is there.
   const ViewResult& view(const ViewObserver& observer = {});
+  /// The scene's background with its map, which is read again when the file has changed.
+  const Background& background();
+  /// The channels of view()'s picture, known before anything has run. \throws Error(Usage) as lightLayers does.
+  [[nodiscard]] std::vector<std::string> viewChannels() const;
   /// Takes a radiance volume from elsewhere (readRadiance) in place of the photon stage.
   void setRadiance(RadianceVolume radiance);
 
