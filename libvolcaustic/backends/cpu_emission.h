@@ -11,7 +11,7 @@ namespace volcaustic {
 /// PhotonTracer::emit on the worker threads: `sums` has an entry for each of them. The same bits for any number of
 /// threads and any way of dividing a raster's rows into calls.
 void emitOnCpu(const TracerSetup& setup, const LaneSet& lanes, const RunContext& ctx,
-               const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, float* entry,
-               std::span<CpuSums> sums);
+               const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
+               const RasterCells& cells, std::span<CpuSums> sums);
 
 } // namespace volcaustic

@@ -24,20 +24,22 @@ public:
     for (int i = 0; i < threadCount(ctx); ++i) mSums.push_back({LightBricks(setup.medium.brickCount(), mBudget), {}});
   }
 
-  void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, float* entry) override {
-    emitOnCpu(mSetup, mLanes, mCtx, frame, reach, rows, entry, mSums);
+  void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
+            const RasterCells& cells) override {
+    emitOnCpu(mSetup, mLanes, mCtx, frame, reach, rows, cells, mSums);
   }
 
-  void trace(const EmissionFrame& frame, RowRange rows, const float* entry) override {
-    const std::vector<std::uint32_t> cells = bendingCells(frame, rows, entry);
+  void trace(const EmissionFrame& frame, RowRange rows, const RasterCells& raster) override {
+    const std::vector<std::uint32_t> cells = bendingCells(frame, rows, raster.entry);
     const auto count = static_cast<std::int64_t>(cells.size());
     const std::span<FarChords> far = mFar.newTasks((count + kPhotonsPerTask - 1) / kPhotonsPerTask);
     parallelFor(
         count, kPhotonsPerTask, mCtx,
         [&](std::int64_t begin, std::int64_t end, int slot) {
           mLanes.tracePhotons(
-              {mSetup.medium, frame, mSetup.rules, mSetup.scale, entry, cells.data() + begin, end - begin}, mSums[slot],
-              far[begin / kPhotonsPerTask]);
+              {mSetup.medium, frame, mSetup.rules, mSetup.scale, raster.entry, cells.data() + begin, end - begin,
+               raster.landings},
+              mSums[slot], far[begin / kPhotonsPerTask]);
         },
         "photons");
     if (mFar.waiting() > kMostFarChords) settleFarLight();

@@ -13,6 +13,31 @@
 
 namespace volcaustic {
 
+/// Receivers in device memory.
+class DeviceReceivers {
+public:
+  DeviceReceivers(DeviceStream& s, const kernels::ReceiverScene& r) : mView(r) {
+    if (!r.any()) return;
+    const auto copy = [&](auto& array, const auto*& host, std::int64_t count) {
+      if (!host) return;
+      array = {s, host, count, "the receivers"};
+      host = array.data();
+    };
+    copy(mNodes, mView.nodes, r.nodeCount);
+    copy(mTriangles, mView.triangles, r.triangleCount);
+    copy(mSurfaces, mView.surfaces, r.surfaceCount);
+    copy(mIrradiance, mView.irradiance, 3 * r.texelCount);
+  }
+  [[nodiscard]] const kernels::ReceiverScene& view() const { return mView; }
+
+private:
+  kernels::ReceiverScene mView;
+  DeviceArray<kernels::ReceiverNode> mNodes;
+  DeviceArray<kernels::ReceiverTriangle> mTriangles;
+  DeviceArray<kernels::ReceiverSurface> mSurfaces;
+  DeviceArray<float> mIrradiance;
+};
+
 /// Whether two rasters have the same rays, and so the same bends.
 inline bool sameRays(const kernels::EmissionFrame& a, const kernels::EmissionFrame& b) {
   const auto same = [](const kernels::Double3& p, const kernels::Double3& q) {

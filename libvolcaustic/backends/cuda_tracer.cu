@@ -106,33 +106,39 @@ public:
       , mTraceBlocks(residentBlocks(tracePhotons, ordinal))
       , mStream(ordinal, "photons")
       , mMedium(mStream, setup.medium, setup.onDevice)
+      , mReceivers(mStream, setup.rules.receivers)
       , mLight(mStream, setup, ctx)
       , mQueueEnds(mStream, 2, kQueue)
       , mInFlight(mStream)
       , mDone(mStream) {}
 
-  void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, float* entry) {
+  void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, const RasterCells& cells) {
     mEntry.prepare(mStream, frame);
     const std::int64_t tiles = static_cast<std::int64_t>(reach.columns) * reach.rows;
     const DeviceArray<float> nearest(mStream, reach.nearest, tiles, kRaster);
     const DeviceArray<float> farthest(mStream, reach.farthest, tiles, kRaster);
+    const std::int64_t from = std::int64_t{rows.begin} * frame.columns;
+    DeviceArray<float> stops;
+    if (cells.stops) stops = DeviceArray<float>(mStream, cells.stops + from, cellsOf(frame, rows), kRaster);
     EmissionBody<DeviceSink> body{};
     body.medium = mMedium.view();
     body.frame = frame;
     body.view = kernels::rasterView(frame);
     body.reach = {reach.columns, reach.rows, nearest.data(), farthest.data()};
     body.entry = mEntry.data();
+    body.stops = stops.data();
+    body.stopsFrom = from;
     forEachLaunch(frame, rows, {}, [&](RowRange part) {
       launch(emitRows, std::min(mEmitBlocks, blocksFor(frame, part)), body, part, mLight.view());
     });
     mEntry.know(rows);
-    mEntry.download(rows, entry);
+    mEntry.download(rows, cells.entry);
     wait();
   }
 
-  void trace(const EmissionFrame& frame, RowRange rows, const float* entry) {
+  void trace(const EmissionFrame& frame, RowRange rows, const RasterCells& cells) {
     mEntry.prepare(mStream, frame);
-    mEntry.fetch(rows, entry);
+    mEntry.fetch(rows, cells.entry);
     const std::int64_t room = rowsOfLaunch(frame) * frame.columns;
     if (!mQueue.data() || mQueue.size() < room) {
       mQueue = {}; // before the new one is asked for
@@ -145,6 +151,14 @@ public:
     body.entry = mEntry.data();
     body.cells = mQueue.data();
     body.rules = mRules;
+    body.rules.receivers = mReceivers.view();
+    const std::int64_t from = std::int64_t{rows.begin} * frame.columns, count = cellsOf(frame, rows);
+    DeviceArray<kernels::Landing> landings;
+    if (cells.landings) {
+      landings = DeviceArray<kernels::Landing>(mStream, cells.landings + from, count, kRaster);
+      body.landings = landings.data();
+      body.landingsFrom = from;
+    }
     forEachLaunch(frame, rows, "photons", [&](RowRange part) {
       const int needed = blocksFor(frame, part);
       mQueueEnds.fill(0);
@@ -152,6 +166,9 @@ public:
              part, queue);
       launch(tracePhotons, std::min(mTraceBlocks, needed), body, queue, mLight.view());
     });
+    if (!cells.landings) return;
+    landings.download(cells.landings + from, 0, count);
+    wait();
   }
 
   void wait() {
@@ -167,6 +184,9 @@ private:
   static constexpr const char* kQueue = "the photon queue";
   static constexpr const char* kRaster = "the light raster";
 
+  static std::int64_t cellsOf(const EmissionFrame& frame, RowRange rows) {
+    return std::int64_t{rows.end - rows.begin} * frame.columns;
+  }
   static std::int64_t rowsOfLaunch(const EmissionFrame& frame) {
     return std::clamp<std::int64_t>(kLaunchCells / frame.columns / kTileRows * kTileRows, kTileRows,
                                     std::max(frame.rows, kTileRows));
@@ -207,6 +227,7 @@ private:
   const int mEmitBlocks, mQueueBlocks, mTraceBlocks;
   DeviceStream mStream; // the arrays below are freed in its order
   DeviceMedium mMedium;
+  DeviceReceivers mReceivers;
   DeviceLight mLight;
   DeviceEntry mEntry;
   DeviceArray<std::uint32_t> mQueue, mQueueEnds; ///< cells; filled, taken
@@ -230,15 +251,16 @@ public:
     }
   }
 
-  void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows, float* entry) override {
+  void emit(const EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
+            const RasterCells& cells) override {
     if (rows.begin >= rows.end) return;
     const DeviceScope device(mOrdinal);
-    mPass->emit(frame, reach, rows, entry);
+    mPass->emit(frame, reach, rows, cells);
   }
-  void trace(const EmissionFrame& frame, RowRange rows, const float* entry) override {
+  void trace(const EmissionFrame& frame, RowRange rows, const RasterCells& cells) override {
     if (rows.begin >= rows.end) return;
     const DeviceScope device(mOrdinal);
-    mPass->trace(frame, rows, entry);
+    mPass->trace(frame, rows, cells);
   }
   void wait() override {
     const DeviceScope device(mOrdinal);

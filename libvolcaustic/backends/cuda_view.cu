@@ -86,6 +86,24 @@ private:
   DeviceArray<kernels::Lamp> mLamps;
 };
 
+/// A background's map in device memory.
+class DeviceBackground {
+public:
+  DeviceBackground(DeviceStream& s, const kernels::Environment& background) : mView(background) {
+    const std::int64_t pixels = std::int64_t{background.width} * background.height;
+    for (int c = 0; c < 3; ++c) {
+      if (!background.planes[c]) continue;
+      mPlanes[c] = {s, background.planes[c], pixels, "the background"};
+      mView.planes[c] = mPlanes[c].data();
+    }
+  }
+  [[nodiscard]] const kernels::Environment& view() const { return mView; }
+
+private:
+  kernels::Environment mView;
+  DeviceArray<float> mPlanes[3];
+};
+
 /// A picture on one device, which must be current on the calling thread for every member.
 class CudaPicture {
 public:
@@ -97,6 +115,8 @@ public:
       , mStream(ordinal, "view")
       , mMedium(mStream, scene.medium, std::move(there))
       , mLight(mStream, scene.light, tables)
+      , mBackground(mStream, scene.rules.background)
+      , mReceivers(mStream, scene.receivers)
       , mPlanBricks(mStream, scene.plan.bricks, tables.brickCount(), kPlan)
       , mPlanVoxels(mStream, scene.plan.voxels, tables.planVoxelCount(), kPlan)
       , mPlanes(mStream, (kernels::kPixelPlanes + (planes.spread ? 1 : 0)) * mPixels, "the picture")
@@ -106,6 +126,8 @@ public:
     mBody.scene = scene;
     mBody.scene.medium = mMedium.view();
     mBody.scene.light = mLight.view();
+    mBody.scene.rules.background = mBackground.view();
+    mBody.scene.receivers = mReceivers.view();
     mBody.scene.plan.bricks = mPlanBricks.data();
     mBody.scene.plan.voxels = mPlanVoxels.data();
     mBody.planes.voxelSize = planes.voxelSize;
@@ -149,6 +171,8 @@ private:
   DeviceStream mStream; // the arrays below are freed in its order
   DeviceMedium mMedium;
   DeviceViewLight mLight;
+  DeviceBackground mBackground;
+  DeviceReceivers mReceivers;
   DeviceArray<std::int32_t> mPlanBricks, mPlanVoxels;
   DeviceArray<float> mPlanes;
   DeviceArray<DeviceSum> mTotals;

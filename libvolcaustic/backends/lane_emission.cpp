@@ -48,6 +48,7 @@ namespace VOLCAUSTIC_INSTRUCTION_SET {
 void emitTileRow(const EmissionTask& task, std::int32_t tileRow, PhotonTally& tally) {
   tiles::TileRowEmission<Float>(task, tileRow, tally).run();
 }
+void findStops(const StopTask& task) { tiles::findStops<Float>(task); }
 
 } // namespace VOLCAUSTIC_INSTRUCTION_SET
 } // namespace volcaustic

@@ -225,6 +225,7 @@ struct Flight {
   alignas(64) float fromX[kPhotons], fromY[kPhotons], fromZ[kPhotons];
   alignas(64) float power[3][kPhotons], scattered[3][kPhotons], threshold[kPhotons];
   alignas(64) std::int32_t steps[kPhotons], optics[kPhotons], alive[kPhotons];
+  alignas(64) float crossing[kernels::kSurfaceCrossingNumbers][kPhotons], scatteredBefore[3][kPhotons]; ///< where photons may be reflected
   kernels::Float3 first[kPhotons];
   kernels::Double3 gained[kPhotons];
   std::uint32_t cell[kPhotons];
@@ -255,6 +256,22 @@ struct Flight {
             {fromX[i], fromY[i], fromZ[i]},
             optics[i]};
   }
+  // What follows a photon through surfaces that reflect; nobody else pays for it.
+  void getCrossing(int at, kernels::PhotonOf<Float>& p) {
+    int k = 0;
+    p.crossing.forEach([&](Float& v) __attribute__((always_inline)) { v = load(crossing[k++] + at); });
+    p.scatteredBefore = load3(scatteredBefore[0] + at, scatteredBefore[1] + at, scatteredBefore[2] + at);
+  }
+  void putCrossing(int at, kernels::PhotonOf<Float>& p) {
+    int k = 0;
+    p.crossing.forEach([&](Float& v) __attribute__((always_inline)) { store(v, crossing[k++] + at); });
+    store(p.scatteredBefore.x, scatteredBefore[0] + at), store(p.scatteredBefore.y, scatteredBefore[1] + at);
+    store(p.scatteredBefore.z, scatteredBefore[2] + at);
+  }
+  void setCrossing(int i, kernels::SurfaceCrossing<float> c) {
+    int k = 0;
+    c.forEach([&](float& v) { crossing[k++][i] = v; });
+  }
   void set(int i, const kernels::Photon& p) {
     x[i] = p.ray.x.x, y[i] = p.ray.x.y, z[i] = p.ray.x.z;
     vx[i] = p.ray.v.x, vy[i] = p.ray.v.y, vz[i] = p.ray.v.z;
@@ -266,6 +283,8 @@ struct Flight {
   void move(int i, int to) {
     set(to, photon(i));
     first[to] = first[i], gained[to] = gained[i], cell[to] = cell[i], alive[to] = alive[i];
+    for (auto& numbers : crossing) numbers[to] = numbers[i];
+    for (auto& numbers : scatteredBefore) numbers[to] = numbers[i];
     alive[i] = 0;
   }
 };
@@ -281,6 +300,7 @@ public:
     for (int i = 0; i < kPhotons; ++i) {
       // Lanes that never held a photon must hold something finite.
       mFlight.set(i, {{{0, 0, 0}, {1, 0, 0}}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0}, 0});
+      mFlight.setCrossing(i, {});
       launch(i);
     }
     while (mAlive > 0) {
@@ -310,6 +330,7 @@ private:
     const std::uint32_t cell = mTask.cells[mNext++];
     const kernels::Photon p = kernels::startPhoton(mTask.medium, mTask.frame, mTask.rules, cell, mTask.entry[cell]);
     mFlight.set(i, p);
+    mFlight.setCrossing(i, p.crossing);
     mFlight.first[i] = p.power;
     mFlight.gained[i] = kernels::Double3(0, 0, 0);
     mFlight.cell[i] = cell;
@@ -321,24 +342,58 @@ private:
     const Mask alive = load(mFlight.alive + at) != Int(0);
     if (!any(alive)) return;
     kernels::PhotonOf<Float> p = mFlight.get(at);
+    if (mTask.rules.fresnel) mFlight.getCrossing(at, p);
     const kernels::StepOutcome<Float> outcome =
         kernels::stepPhoton(mTask.medium, mTask.rules, p, alive,
                             [&](const ChordOf<Float>& chord, const Mask& on) { mRasteriser.add(chord, on); });
     mFlight.put(at, p);
-    const Mask ends =
-        both(alive, either(either(outcome.leaves, outcome.notFinite), either(outcome.fades, outcome.limit)));
+    if (mTask.rules.fresnel) {
+      mFlight.putCrossing(at, p);
+      const Mask reflects = both(alive, outcome.reflection.on);
+      if (any(reflects)) [[unlikely]]
+        reflectSome(at, outcome.reflection, reflects);
+    }
+    const Mask ends = both(alive, either(either(either(outcome.leaves, outcome.lands), outcome.notFinite),
+                                         either(outcome.fades, outcome.limit)));
     if (any(ends)) [[unlikely]]
       endSome(at, outcome, ends);
   }
 
+  static std::uint32_t bits(const Mask& m) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(FloatTag(), m.m, bytes);
+    return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
+  }
+
+  /// Sends photons back by their chances.
+  void reflectSome(int at, const kernels::Reflection<Float>& all, const Mask& on) {
+    constexpr int kNumbers = 11;
+    alignas(64) float numbers[kNumbers][kLanes];
+    const Float values[kNumbers] = {all.share,  all.rise,   all.to.x.x,  all.to.x.y,  all.to.x.z, all.to.v.x,
+                                    all.to.v.y, all.to.v.z, all.light.x, all.light.y, all.light.z};
+    for (int k = 0; k < kNumbers; ++k) store(values[k], numbers[k]);
+    for (std::uint32_t left = bits(on); left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left), i = at + lane;
+      const auto n = [&](int k) { return numbers[k][lane]; };
+      const kernels::Reflection<float> r{true, n(0), {{n(2), n(3), n(4)}, {n(5), n(6), n(7)}}, n(1), {n(8), n(9), n(10)}};
+      kernels::Photon p = mFlight.photon(i);
+      p.scatteredBefore = {mFlight.scatteredBefore[0][i], mFlight.scatteredBefore[1][i], mFlight.scatteredBefore[2][i]};
+      if (!kernels::reflectByChance(mTask.medium, mTask.rules, mFlight.cell[i], r, p)) continue;
+      mFlight.set(i, p);
+      mFlight.setCrossing(i, p.crossing);
+    }
+  }
+
   /// Books the photons that end, and fills their lanes.
   void endSome(int at, const kernels::StepOutcome<Float>& outcome, const Mask& ends) {
-    const auto bits = [](const Mask& m) {
-      std::uint8_t bytes[8] = {};
-      hn::StoreMaskBits(FloatTag(), m.m, bytes);
-      return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
-    };
-    const std::uint32_t leaves = bits(outcome.leaves), notFinite = bits(outcome.notFinite), fades = bits(outcome.fades);
+    const std::uint32_t leaves = bits(outcome.leaves), notFinite = bits(outcome.notFinite), fades = bits(outcome.fades),
+                        lands = bits(both(ends, outcome.lands));
+    alignas(64) float distances[kLanes], firsts[kLanes], seconds[kLanes];
+    alignas(64) std::int32_t triangles[kLanes];
+    if (lands != 0) {
+      store(outcome.hit.distance, distances), store(outcome.hit.b1, firsts), store(outcome.hit.b2, seconds);
+      store(outcome.hit.triangle, triangles);
+    }
     for (std::uint32_t left = bits(ends); left != 0; left &= left - 1) {
       const int lane = __builtin_ctz(left), i = at + lane;
       const std::uint32_t bit = 1u << lane;
@@ -346,8 +401,12 @@ private:
       Outcome end = Outcome::CutOff;
       if (notFinite & bit) {
         mSink.count(Counter::NotFinite, 1);
+      } else if (lands & bit) {
+        kernels::land(mTask.rules.receivers, {distances[lane], triangles[lane], firsts[lane], seconds[lane]}, p,
+                      landingOf(i));
+        end = Outcome::Received;
       } else if (leaves & bit) {
-        end = Outcome::Escaped;
+        end = kernels::landBeyond(mTask.rules, p, landingOf(i));
       } else if (!(fades & bit) || !kernels::endsByRoulette(mTask.rules, mFlight.cell[i], p, mFlight.gained[i])) {
         if (p.steps < mTask.rules.maxSteps) { // roulette lets it live
           mFlight.set(i, p);
@@ -359,6 +418,10 @@ private:
       --mAlive;
       launch(i);
     }
+  }
+
+  [[nodiscard]] kernels::Landing* landingOf(int i) const {
+    return mTask.landings ? mTask.landings + mFlight.cell[i] : nullptr;
   }
 
   const PhotonTask& mTask;

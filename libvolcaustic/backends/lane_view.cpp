@@ -84,7 +84,7 @@ private:
     kernels::ViewRay<Float> r =
         kernels::lookThrough<Float>(mScene, load(pointColumns), load(pointRows), load(on) > Float(0), hits);
     const Mask waiting = carry(r, hits, kLeastRays);
-    put<kColumns>(r, pixels, kRows);
+    put<kColumns>(r, negate(waiting), pixels, kRows);
     if (any(waiting)) wait(r, load(pixels), waiting);
   }
 
@@ -102,11 +102,12 @@ private:
     return left;
   }
 
-  /// Writes what rays have seen into the planes of the tile: `count` times `run` side by side.
+  /// Writes what rays have seen into the planes of the tile: `count` times `run` side by side. Those that have not
+  /// `ended` are written again when they have.
   template <int run>
-  void put(const kernels::ViewRay<Float>& r, const std::int32_t* pixels, int count) {
+  void put(kernels::ViewRay<Float>& r, const Mask& ended, const std::int32_t* pixels, int count) {
     mTask.planes.forEach<Float>(
-        kernels::seen(mScene, r), [&](int plane, Float v) __attribute__((always_inline)) {
+        kernels::seen(mScene, r, ended), [&](int plane, Float v) __attribute__((always_inline)) {
           alignas(64) float numbers[kLanes];
           store(v, numbers);
           for (int i = 0; i < count * run; i += run) std::copy_n(numbers + i, run, mScratch.planes[plane] + pixels[i]);
@@ -136,7 +137,7 @@ private:
         fromBits(load(numbers), v);
       });
       carry(r, on, 1);
-      put<1>(r, mScratch.pixels + first, rays);
+      put<1>(r, on, mScratch.pixels + first, rays);
     }
     mWaiting = 0;
   }

@@ -51,6 +51,7 @@ struct EmissionTask {
   FixedPoint scale;
   RowRange rows; ///< asked for
   float* entry;
+  const float* stops = nullptr; ///< RasterCells
 };
 
 /// Photons of a raster: those of cells[0] to cells[count - 1].
@@ -62,6 +63,15 @@ struct PhotonTask {
   const float* entry;
   const std::uint32_t* cells;
   std::int64_t count;
+  kernels::Landing* landings = nullptr; ///< RasterCells
+};
+/// Rays of a raster's rows: where each first meets a receiver.
+struct StopTask {
+  const kernels::ReceiverScene& receivers;
+  const kernels::EmissionFrame& frame;
+  kernels::RasterView view; ///< of the frame
+  RowRange rows;
+  float* stops;
 };
 
 /// Samples of the pixels of a tile: kViewTile x kViewTile from a corner on, as many as there are.
@@ -109,6 +119,8 @@ struct LaneSet {
   int width;             ///< numbers in a register
   /// PhotonTracer::emit for those of the asked rows that are in a row of tiles.
   void (*emitTileRow)(const EmissionTask& task, std::int32_t tileRow, PhotonTally& tally);
+  /// Distances to the first receiver, kNeverBends for none, relative to the frame's depth0; from the light on.
+  void (*findStops)(const StopTask& task);
   /// Carries photons to their ends. Light of short chords goes to the sums, long chords to `far`.
   void (*tracePhotons)(const PhotonTask& task, CpuSums& sums, FarChords& far);
   /// Adds what chords[ids[0]] to chords[ids[count - 1]] leave in the block with this corner, and in the voxels around

@@ -37,17 +37,27 @@ struct RowRange {
   std::int32_t begin = 0, end = 0;
 };
 
+/// What there is for each cell of a raster, in arrays of the whole raster.
+struct RasterCells {
+  // NOLINTNEXTLINE(google-explicit-constructor): most rasters have nothing but entries
+  RasterCells(float* entries, const float* firstReceivers = nullptr, kernels::Landing* photonLandings = nullptr)
+      : entry(entries), stops(firstReceivers), landings(photonLandings) {}
+
+  float* entry;               ///< distance of the first bend
+  const float* stops;         ///< distance to the first receiver; null without receivers
+  kernels::Landing* landings; ///< where photons ended; null without receivers. Those that landed nowhere leave theirs
+};
+
 class PhotonTracer {
 public:
   virtual ~PhotonTracer() = default;
 
-  /// Does what EmissionBody does for every cell of the rows: entry[cell] becomes the distance of the cell's first bend.
-  /// `entry` is the whole raster's array; cells of other rows are left alone. `reach` bounds where the raster's rays
-  /// can bend.
+  /// Does what EmissionBody does for every cell of the rows; cells of other rows are left alone. `reach` bounds where
+  /// the raster's rays can bend.
   virtual void emit(const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
-                    float* entry) = 0;
-  /// Carries the photons of the rows' cells that bend from there to their ends.
-  virtual void trace(const kernels::EmissionFrame& frame, RowRange rows, const float* entry) = 0;
+                    const RasterCells& cells) = 0;
+  /// Carries the photons of the rows' cells that bend from there to their ends. Landings are there after wait().
+  virtual void trace(const kernels::EmissionFrame& frame, RowRange rows, const RasterCells& cells) = 0;
   /// Waits until everything asked for has been carried out; the sums need not be on this machine then. Tracers whose
   /// calls return when they are done have nothing to wait for.
   virtual void wait() {}

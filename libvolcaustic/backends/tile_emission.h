@@ -64,7 +64,7 @@ public:
   void run() {
     for (std::int32_t row = mBegin; row < mEnd; ++row)
       for (std::int32_t c = 0; c < mFrame.columns; ++c) entryAt(row, c) = kernels::kNeverBends;
-    if (mClear && mFrame.cone.isSphere()) bookRun();
+    if (mClear && mFrame.cone.isSphere() && !mTask.stops) bookRun();
     for (std::int32_t tile = 0; tile < mTask.reach.columns; ++tile) {
       const bool booked = mRunBegin <= tile && tile < mRunEnd;
       if (!booked || reaches(tile)) emitTile(tile, booked);
@@ -84,6 +84,7 @@ private:
     kernels::GridRay<F> ray[kPackets];
     kernels::RaySpan<F> span[kPackets];
     M sees[kPackets];  ///< the box
+    M stops[kPackets]; ///< ends on a receiver, unless it bends before
     F found[kPackets]; ///< first bends
   };
   /// Power in units of the tally, channel by channel.
@@ -187,10 +188,19 @@ private:
         }
     const F width(static_cast<float>(mFrame.columns - first)), begin(static_cast<float>(mBegin)),
         end(static_cast<float>(mEnd));
+    alignas(64) float stops[kCells];
+    for (float& stop : stops) stop = kernels::kNeverBends;
+    if (mTask.stops)
+      for (std::int32_t row = mBegin; row < mEnd; ++row)
+        for (std::int32_t c = first; c < smaller(first + kTile, mFrame.columns); ++c)
+          stops[(row - mRow) * kTile + c - first] = mTask.stops[std::int64_t{row} * mFrame.columns + c];
     for (int p = 0; p < kPackets; ++p) {
       const int i = p * Lanes::kLanes;
       rays.ray[p] = kernels::gridRay(mTask.view, Lanes::load(columns + i), Lanes::load(rows + i));
       rays.span[p] = kernels::lightSpan(mTask.medium, mTask.view, rays.ray[p]);
+      const F stop = Lanes::load(stops + i);
+      rays.stops[p] = stop < F(kernels::kNeverBends);
+      rays.span[p].exit = smaller(rays.span[p].exit, stop);
       const F row = Lanes::load(mRows + i);
       const M asked = both(Lanes::load(mColumns + i) < width, both(row >= begin, row < end));
       rays.sees[p] = both(asked, rays.span[p].exit > rays.span[p].entry);
@@ -249,9 +259,11 @@ private:
   void bookPacket(const Rays& rays, int p, const M& bends, F share) {
     const M sees = rays.sees[p], straight = both(sees, negate(bends));
     mTally.counts[static_cast<int>(Counter::Emitted)] += Lanes::count(sees);
+    const M lands = both(straight, rays.stops[p]), escapes = both(straight, negate(rays.stops[p]));
     add(mEmitted, sees, share);
     if (mClear) {
-      add(mEscaped, straight, share);
+      add(mEscaped, escapes, share);
+      if (mTask.stops) add(mReceived, lands, share);
       return;
     }
     const F way = smaller(rays.found[p], rays.span[p].exit) - rays.span[p].entry;
@@ -259,7 +271,8 @@ private:
       const float attenuation = mOptics.attenuation[c];
       const F kept = share * exponential(-(F(attenuation) * way));
       mKept[c].add(select(sees, kept, F(0)), mUnits[c]);
-      mEscaped[c].add(select(straight, kept, F(0)), mUnits[c]);
+      mEscaped[c].add(select(escapes, kept, F(0)), mUnits[c]);
+      if (mTask.stops) mReceived[c].add(select(lands, kept, F(0)), mUnits[c]);
       if (!(attenuation > 0)) continue;
       const double albedo = static_cast<double>(mOptics.scattering[c]) / static_cast<double>(attenuation);
       mScattered[c].add(select(sees, share - kept, F(0)), mUnits[c] * albedo);
@@ -275,6 +288,7 @@ private:
     for (int c = 0; c < 3; ++c) {
       book(Outcome::Emitted, c, mEmitted[c].total());
       book(Outcome::Escaped, c, mEscaped[c].total());
+      book(Outcome::Received, c, mReceived[c].total());
       if (mClear) continue;
       book(Outcome::Scattered, c, mScattered[c].total());
       book(Outcome::Absorbed, c, mEmitted[c].total() - mKept[c].total() - mScattered[c].total());
@@ -290,9 +304,34 @@ private:
   const std::int32_t mBegin, mEnd;           ///< rows asked for
   const kernels::Double3 mUnits;             ///< of the tally in the frame's strength
   std::int32_t mRunBegin = 0, mRunEnd = 0;   ///< tiles that bookRun has booked
-  Power mEmitted, mEscaped, mKept, mScattered;
+  Power mEmitted, mEscaped, mReceived, mKept, mScattered;
   alignas(64) float mColumns[kCells], mRows[kCells]; ///< low corners of a tile's cells; columns from the tile's first
   alignas(64) float mTileColumns[kCells];            ///< first columns of tiles
 };
+
+/// LaneSet::findStops.
+template <class F>
+VOLCAUSTIC_HD inline void findStops(const StopTask& task) {
+  using Lanes = Packet<F>;
+  const kernels::EmissionFrame& frame = task.frame;
+  // Parallel light comes from before the box.
+  const F nearest(frame.point ? -task.view.depth0 : -kernels::kNeverBends);
+  alignas(64) float columns[Lanes::kLanes], rows[Lanes::kLanes], stops[Lanes::kLanes];
+  for (std::int32_t row = task.rows.begin; row < task.rows.end; ++row)
+    for (std::int32_t first = 0; first < frame.columns; first += Lanes::kLanes) {
+      const std::int32_t count = smaller(frame.columns - first, std::int32_t{Lanes::kLanes});
+      for (std::int32_t i = 0; i < Lanes::kLanes; ++i) {
+        const kernels::RasterPoint p = frame.pointOf(std::int64_t{row} * frame.columns + first + smaller(i, count - 1));
+        columns[i] = static_cast<float>(p.column);
+        rows[i] = static_cast<float>(p.row);
+      }
+      const kernels::GridRay<F> ray = kernels::gridRay(task.view, Lanes::load(columns), Lanes::load(rows));
+      const auto all = nearest <= nearest;
+      const kernels::ReceiverHit<F> hit =
+          kernels::nearestHit<F>(task.receivers, ray.at, ray.direction, nearest, F(kernels::kNeverBends), all);
+      Lanes::store(select(hit.triangle < kernels::IntOf<F>(0), F(kernels::kNeverBends), hit.distance), stops);
+      for (std::int32_t i = 0; i < count; ++i) task.stops[std::int64_t{row} * frame.columns + first + i] = stops[i];
+    }
+}
 
 } // namespace volcaustic::tiles

@@ -188,7 +188,7 @@ struct RasterReach {
 };
 
 /// One cell for one call, a GPU's thread: distance of its first bend (relative to frame.depth0; kNeverBends when its
-/// light goes straight through or misses the box). Light on the way there, and light that never bends, is booked here;
+/// light goes straight through or misses the box, or meets a receiver first). Light on the way there, and light that never bends, is booked here;
 /// the rest is PhotonBody's.
 template <class Sink>
 struct EmissionBody {
@@ -197,12 +197,17 @@ struct EmissionBody {
   RasterView view; ///< of the frame
   RasterReach reach;
   float* entry;
+  /// Of the rays of cells from stopsFrom on: distance to the first receiver, kNeverBends for none. Null without any.
+  const float* stops;
+  std::int64_t stopsFrom;
 
   VOLCAUSTIC_HD void operator()(std::int64_t cell, Sink& sink) const {
     entry[cell] = kNeverBends;
     const RasterPoint p = frame.pointOf(cell);
     const GridRay<float> ray = gridRay(view, static_cast<float>(p.column), static_cast<float>(p.row));
-    const RaySpan<float> span = lightSpan(medium, view, ray);
+    RaySpan<float> span = lightSpan(medium, view, ray);
+    const float stop = stops ? stops[cell - stopsFrom] : kNeverBends;
+    span.exit = smaller(span.exit, stop);
     if (!(span.exit > span.entry)) return;
 
     const auto column = static_cast<std::int32_t>(cell % frame.columns),
@@ -221,7 +226,7 @@ struct EmissionBody {
     const Double3 kept = power * transmittance(medium.optics[0], way);
     sink.tally(Outcome::Emitted, power);
     tallyLoss(sink, medium.optics[0], power - kept);
-    if (straight) sink.tally(Outcome::Escaped, kept);
+    if (straight) sink.tally(stop == kNeverBends ? Outcome::Escaped : Outcome::Received, kept);
     sink.count(Counter::Emitted, 1);
     if (!straight) sink.count(Counter::Traced, 1);
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "kernels/emission.h"
+#include "kernels/fresnel.h"
+#include "kernels/receivers.h"
 #include "kernels/slab.h"
 
 namespace volcaustic::kernels {
@@ -12,6 +14,8 @@ struct PhotonRules {
   float cutoff = 1e-4f;
   bool roulette = false;
   std::uint64_t seed = 0;
+  bool fresnel = false;    ///< photons may be reflected where the index changes within a few voxels (fresnel.h)
+  ReceiverScene receivers; ///< on which photons end
 };
 
 template <class F>
@@ -39,6 +43,8 @@ struct PhotonOf {
   IntOf<F> steps;
   Vec3<F> from;    ///< where its last deposit ended: from there on it has gone straight, through one kind of matter
   IntOf<F> optics; ///< that matter's entry in FlatMedium::optics
+  SurfaceCrossing<F> crossing{};
+  Vec3<F> scatteredBefore{F(0), F(0), F(0)}; ///< `scattered` where the crossing began
 };
 using Photon = PhotonOf<float>;
 
@@ -59,6 +65,9 @@ struct StepOutcome {
   MaskOf<F> notFinite; ///< has left the finite numbers and stays where it was
   MaskOf<F> fades;     ///< is below its threshold
   MaskOf<F> limit;     ///< has taken the last step that it may
+  MaskOf<F> lands;     ///< is on a receiver
+  ReceiverHit<F> hit;  ///< of those that land
+  Reflection<F> reflection;
 };
 
 /// Attenuation and scattering, gathered.
@@ -121,6 +130,25 @@ VOLCAUSTIC_HD inline void depositWay(const FlatMedium& m, PhotonOf<F>& photon, c
   photon.power = select<F>(moved, left, photon.power);
 }
 
+/// Notes where on a receiver's map a photon's power lands; the back of a receiver takes it and has no map.
+VOLCAUSTIC_HD inline void land(const ReceiverScene& receivers, const ReceiverHit<float>& hit, const Photon& photon,
+                               Landing* landing) {
+  if (!landing || !meetsFront<float>(receivers, hit, photon.ray.v, true)) return;
+  const TexelPoint<float> at = texelOf<float>(receivers, hit);
+  *landing = {at.column, at.row, hit.triangle, {photon.power.x, photon.power.y, photon.power.z}};
+}
+
+/// Ends steps at the receivers that they meet.
+template <class F>
+VOLCAUSTIC_HD inline void landOnStep(const ReceiverScene& receivers, const Vec3<F>& from, const Vec3<F>& chord,
+                                     const MaskOf<F>& on, StepResult<F>& step, StepOutcome<F>& outcome) {
+  const F squared = dot(chord, chord), inverse = inverseRoot(larger(squared, F(1e-20f)));
+  outcome.hit = nearestHit<F>(receivers, from, chord * inverse, F(-kReceiverOverlap), squared * inverse, on);
+  outcome.lands = found(outcome.hit);
+  if (any(outcome.lands))
+    step.ray.x = select<F>(outcome.lands, mulAdd(chord, inverse * outcome.hit.distance, from), step.ray.x);
+}
+
 /// One step of a photon: advance, and deposit where its way is no longer straight or ends. `active` lanes count; the
 /// others must hold a finite photon.
 template <class F, class Deposit>
@@ -131,31 +159,73 @@ VOLCAUSTIC_HD inline StepOutcome<F> stepPhoton(const FlatMedium& m, const Photon
   const Vec3<IntOf<F>> voxel = m.voxelOf(old.x);
   const Vec3<F> towards = old.v * inverseRoot(dot(old.v, old.v));
   const F ds = stepLength(m, rules.march, old.x, towards, voxel, m.stepAt(voxel));
-  const StepResult<F> step = advanceInBox(m, rules.march, old, towards, ds);
+  StepResult<F> step = advanceInBox(m, rules.march, old, towards, ds);
   photon.steps = photon.steps + IntOf<F>(1);
+  StepOutcome<F> outcome;
 
   // Not a number compares false with everything; so does infinity with the upper bound.
   const Vec3<F> chord = step.ray.x - old.x;
   const F momentum = dot(step.ray.v, step.ray.v);
   const M finite = both(both(dot(chord, chord) < F(1e30f), momentum < F(1e30f)), momentum > F(0));
-  const M limit = photon.steps > IntOf<F>(rules.maxSteps - 1);
+  outcome.notFinite = negate(finite);
+  outcome.limit = photon.steps > IntOf<F>(rules.maxSteps - 1);
+  outcome.lands = both(finite, outcome.notFinite); // none
+  if (rules.receivers.any()) landOnStep(rules.receivers, old.x, chord, both(active, finite), step, outcome);
+  outcome.leaves = both(both(finite, step.leaves), negate(outcome.lands));
   const M bends = negate(both(both(step.ray.v.x == old.v.x, step.ray.v.y == old.v.y), step.ray.v.z == old.v.z));
 
   // A way that bends here, or comes into other matter, has been straight up to the last point.
   IntOf<F> optics = photon.optics;
   if (m.attenuates) optics = m.opticsIndex(m.voxelOf(select<F>(finite, (old.x + step.ray.x) * F(0.5f), old.x)));
   const M other = optics != photon.optics;
-  const M breaks = both(active, either(either(bends, other), negate(finite)));
+  const M breaks = both(active, either(either(bends, other), outcome.notFinite));
   if (any(breaks)) {
     const Vec3<F> way = old.x - photon.from;
     const M pending = both(breaks, dot(way, way) > F(0));
     if (any(pending)) depositWay(m, photon, old.x, pending, deposit);
     photon.optics = optics;
   }
+  const Vec3<F> before = photon.power, scatteredBefore = photon.scattered;
   photon.ray = {select<F>(finite, step.ray.x, old.x), select<F>(finite, step.ray.v, old.v)};
-  const M ends = both(both(active, finite), either(bends, either(step.leaves, limit)));
+  const M ends = both(both(active, finite), either(either(bends, outcome.lands), either(step.leaves, outcome.limit)));
   if (any(ends)) depositWay(m, photon, photon.ray.x, ends, deposit);
-  return {both(finite, step.leaves), negate(finite), luminance(photon.power) < photon.threshold, limit};
+  outcome.fades = luminance(photon.power) < photon.threshold;
+  outcome.reflection.on = outcome.lands;
+  if (rules.fresnel) {
+    const M watched = both(both(active, finite), negate(either(outcome.lands, outcome.leaves)));
+    const F began = photon.crossing.rise;
+    outcome.reflection = watchStep(photon.crossing, old, photon.ray, step.ds, before, watched);
+    photon.scatteredBefore = select<F>(photon.crossing.rise == began, photon.scatteredBefore, scatteredBefore);
+    // The light that a surface takes may still be reflected.
+    outcome.fades = both(outcome.fades, negate(photon.crossing.before > F(0)));
+  }
+  return outcome;
+}
+
+/// Sends a photon back whose crossing has come to its end, by the chance that reflection has; the power of a photon
+/// stays whole, so what is reflected and what goes on sum up to it on the average. \return whether it was sent back
+VOLCAUSTIC_HD inline bool reflectByChance(const FlatMedium& m, const PhotonRules& rules, std::uint64_t id,
+                                          const Reflection<float>& r, Photon& photon) {
+  constexpr std::uint64_t kStream = 1u << 31; // apart from the numbers of roulette
+  if (uniform(rules.seed, id, static_cast<std::uint64_t>(photon.steps) + kStream) >= static_cast<double>(r.share))
+    return false;
+  photon.ray = r.to;
+  photon.from = r.to.x;
+  photon.power = r.light;
+  photon.scattered = photon.scatteredBefore;
+  photon.optics = m.attenuates ? m.opticsIndex(m.voxelOf(r.to.x)) : 0;
+  photon.crossing = sentBack(r);
+  return true;
+}
+
+/// Where a photon that leaves the box lands beyond it; Escaped if nowhere.
+VOLCAUSTIC_HD inline Outcome landBeyond(const PhotonRules& rules, const Photon& photon, Landing* landing) {
+  if (!rules.receivers.any()) return Outcome::Escaped;
+  const Float3 towards = photon.ray.v * inverseRoot(dot(photon.ray.v, photon.ray.v));
+  const ReceiverHit<float> hit = nearestHit<float>(rules.receivers, photon.ray.x, towards, -kReceiverOverlap, 3.0e38f, true);
+  if (!found(hit)) return Outcome::Escaped;
+  land(rules.receivers, hit, photon, landing);
+  return Outcome::Received;
 }
 
 /// Below the threshold: true ends the photon. Roulette lets one in ten live with ten times its power; `gained` collects
@@ -235,12 +305,15 @@ struct PhotonBody {
   const float* entry;         ///< of EmissionBody
   const std::uint32_t* cells; ///< those with a bend
   PhotonRules rules;
+  Landing* landings; ///< of the raster's cells from landingsFrom on; null where there are no receivers
+  std::int64_t landingsFrom;
 
   VOLCAUSTIC_HD void operator()(std::int64_t i, Sink& sink) const {
     const std::int64_t cell = cells[i];
     Photon photon = startPhoton(medium, frame, rules, cell, entry[cell]);
     const Float3 first = photon.power;
     Double3 gained(0, 0, 0);
+    Landing* const landing = landings ? landings + (cell - landingsFrom) : nullptr;
     Outcome end = Outcome::CutOff;
     while (true) {
       const StepOutcome<float> step =
@@ -251,10 +324,17 @@ struct PhotonBody {
         sink.count(Counter::NotFinite, 1);
         break;
       }
-      if (step.leaves) {
-        end = Outcome::Escaped;
+      if (step.lands) {
+        land(rules.receivers, step.hit, photon, landing);
+        end = Outcome::Received;
         break;
       }
+      if (step.leaves) {
+        end = landBeyond(rules, photon, landing);
+        break;
+      }
+      if (step.reflection.on)
+        reflectByChance(medium, rules, static_cast<std::uint64_t>(cell), step.reflection, photon);
       if (step.fades && endsByRoulette(rules, static_cast<std::uint64_t>(cell), photon, gained)) break;
       if (step.limit) {
         sink.count(Counter::StepLimit, 1);

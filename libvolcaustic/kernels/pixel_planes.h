@@ -11,15 +11,15 @@ namespace volcaustic::kernels {
 template <class F>
 struct PixelSumOf {
   Vec3<F> caustic{F(0), F(0), F(0)}, direct{F(0), F(0), F(0)}, background{F(0), F(0), F(0)},
-      transmittance{F(0), F(0), F(0)};
+      receiver{F(0), F(0), F(0)}, transmittance{F(0), F(0), F(0)};
   F depth{3.0e38f};
   F steps{0};
 };
 using PixelSum = PixelSumOf<float>;
 
 /// The layers of a picture, each a plane of as many numbers as there are pixels: R G B of the whole, opacity, R G B of
-/// caustic, direct, background and transmittance, depth, steps.
-inline constexpr int kPixelPlanes = 18, kDepthPlane = 16;
+/// caustic, direct, background, receivers and transmittance, depth, steps.
+inline constexpr int kPixelPlanes = 21, kDepthPlane = 19;
 struct PixelPlanes {
   float* of[kPixelPlanes];
   float* spread = nullptr; ///< of each pixel's luminance: sum of squares about the mean; null where nobody asks
@@ -34,11 +34,12 @@ struct PixelPlanes {
       put(plane++, v.y);
       put(plane++, v.z);
     };
-    putRgb(p.caustic + p.direct + p.background);
+    putRgb(p.caustic + p.direct + p.background + p.receiver);
     put(plane++, F(1) - (p.transmittance.x + p.transmittance.y + p.transmittance.z) * F(1 / 3.0f));
     putRgb(p.caustic);
     putRgb(p.direct);
     putRgb(p.background);
+    putRgb(p.receiver);
     putRgb(p.transmittance);
     put(plane++, select(p.depth < F(1e38f), p.depth * F(voxelSize), F(std::numeric_limits<float>::infinity())));
     put(plane++, p.steps);

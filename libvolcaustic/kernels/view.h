@@ -1,7 +1,9 @@
 // The camera pass, written over lanes: curved rays through medium and light, a pixel a lane.
 #pragma once
 
+#include "kernels/background.h"
 #include "kernels/camera.h"
+#include "kernels/fresnel.h"
 #include "kernels/photon.h"
 #include "kernels/pixel_filter.h"
 #include "kernels/pixel_planes.h"
@@ -45,7 +47,8 @@ struct ViewRules {
   std::int32_t maxSteps = 20000;
   float cameraIndex = 1;  ///< n at the camera
   float ambientIndex = 1; ///< n beyond the box
-  Float3 up, top, bottom; ///< background: a gradient along the unit vector `up`
+  bool fresnel = false;   ///< rays are reflected, too, where the index changes within a few voxels (fresnel.h)
+  Environment background; ///< beyond the box
 };
 
 /// What a brick holds for rays of the camera, in the low bits of ViewPlan::bricks.
@@ -69,6 +72,7 @@ struct ViewScene {
   FlatMedium medium;
   ViewLight light;
   ViewPlan plan;
+  ReceiverScene receivers;
   CameraFrame camera;
   ViewRules rules;
   PixelSampler sampler;
@@ -80,11 +84,38 @@ struct RayEnd {
   MaskOf<F> notFinite, stepLimit;
 };
 
+/// A reflected ray that waits until the one it left has come to its end.
+template <class F>
+struct WaitingRay {
+  RayOf<F> ray{{F(0), F(0), F(0)}, {F(1), F(0), F(0)}};
+  Vec3<F> share{F(0), F(0), F(0)}; ///< of what it sees, that reaches the camera
+  F rise{0};                       ///< of the crossing that it comes from
+};
+
+/// What follows a camera's ray through surfaces that reflect.
+template <class F>
+struct ViewMirrors {
+  SurfaceCrossing<F> crossing;
+  WaitingRay<F> waiting[2];
+
+  template <class Visit>
+  VOLCAUSTIC_HD void forEach(const Visit& visit) {
+    crossing.forEach(visit);
+    for (WaitingRay<F>& w : waiting) {
+      for (Vec3<F>* v : {&w.ray.x, &w.ray.v, &w.share}) visit(v->x), visit(v->y), visit(v->z);
+      visit(w.rise);
+    }
+  }
+};
+inline constexpr int kViewMirrorsNumbers = kSurfaceCrossingNumbers + 2 * 10;
+
 /// A ray on its way from the camera.
 template <class F>
 struct ViewRay {
   RayOf<F> ray;
   Vec3<F> transmitted{F(1), F(1), F(1)}, caustic{F(0), F(0), F(0)}, direct{F(0), F(0), F(0)};
+  /// Of the background and of receivers; and the share of the rays that came to the background.
+  Vec3<F> background{F(0), F(0), F(0)}, receiver{F(0), F(0), F(0)}, through{F(0), F(0), F(0)};
   F travelled{0}, depth{3.0e38f};
   IntOf<F> steps{0};
   /// The way ahead through a brick that is not busy, 0 where none is known; the plan's word for the brick; and the way
@@ -96,21 +127,63 @@ struct ViewRay {
   IntOf<F> optics{-1};
   Vec3<F> attenuation{F(0), F(0), F(0)}, scattering{F(0), F(0), F(0)};
   F asymmetry{0};
+  ViewMirrors<F> mirrors;
 
   /// Calls visit(i, number) for each number of it.
   template <class Visit>
   VOLCAUSTIC_HD void forEach(const Visit& visit) {
     int i = 0;
-    for (Vec3<F>* v : {&ray.x, &ray.v, &transmitted, &caustic, &direct, &attenuation, &scattering}) {
+    for (Vec3<F>* v : {&ray.x, &ray.v, &transmitted, &caustic, &direct, &background, &receiver, &through, &attenuation,
+                       &scattering}) {
       visit(i++, v->x);
       visit(i++, v->y);
       visit(i++, v->z);
     }
     for (F* v : {&travelled, &depth, &clear, &box, &asymmetry}) visit(i++, *v);
     for (IntOf<F>* v : {&steps, &plan, &optics}) visit(i++, *v);
+    mirrors.forEach([&](F& v) { visit(i++, v); });
   }
 };
-inline constexpr int kViewRayNumbers = 29;
+inline constexpr int kViewRayNumbers = 38 + kViewMirrorsNumbers;
+
+/// Adds the light of receivers to the rays that meet them, which end there.
+template <class F>
+VOLCAUSTIC_HD inline void receive(const ViewScene& scene, ViewRay<F>& r, const ReceiverHit<F>& hit,
+                                  const MaskOf<F>& on) {
+  const Vec3<F>& v = r.ray.v;
+  const F inverse = inverseRoot(dot(v, v)), index = F(scene.rules.cameraIndex) * inverse;
+  const Vec3<F> light = receiverRadiance<F>(scene.receivers, hit, v, on) * (index * index);
+  r.receiver = select<F>(on, r.receiver + r.transmitted * light, r.receiver);
+  r.transmitted = select<F>(on, Vec3<F>(F(0)), r.transmitted);
+}
+
+/// Adds a share of the background in the direction v to the rays `on`.
+template <class F>
+VOLCAUSTIC_HD inline void seeBackground(const ViewScene& scene, ViewRay<F>& r, const Vec3<F>& v, const Vec3<F>& share,
+                                        const MaskOf<F>& on) {
+  const float ratio = scene.rules.cameraIndex / scene.rules.ambientIndex;
+  if (!any(on)) return;
+  const Vec3<F> towards = v * inverseRoot(dot(v, v));
+  const Vec3<F> light = share * scene.rules.background.radiance<F>(towards) * F(ratio * ratio);
+  r.background = select<F>(on, r.background + light, r.background);
+  r.through = select<F>(on, r.through + share, r.through);
+}
+
+/// Adds what is beyond the box to the rays `on` that have left it: receivers, else the background.
+template <class F>
+VOLCAUSTIC_HD inline void arrive(const ViewScene& scene, ViewRay<F>& r, const MaskOf<F>& on) {
+  if (scene.receivers.any()) {
+    const MaskOf<F> looks = both(on, maxComponent(r.transmitted) > F(0));
+    const Vec3<F> towards = r.ray.v * inverseRoot(dot(r.ray.v, r.ray.v));
+    const ReceiverHit<F> hit = nearestHit<F>(scene.receivers, r.ray.x, towards, F(-kReceiverOverlap), F(3.0e38f), looks, true);
+    const MaskOf<F> lands = found(hit);
+    if (any(lands)) {
+      receive(scene, r, hit, lands);
+      r.depth = select(lands, smaller(r.depth, r.travelled + hit.distance), r.depth);
+    }
+  }
+  seeBackground(scene, r, r.ray.v, r.transmitted, on);
+}
 
 /// The march of rays through the box. What a lane does depends on no other lane, so rays may be put together as is
 /// convenient.
@@ -130,8 +203,11 @@ public:
     while (any(alive) && goesOn(alive)) {
       const Step s = step(r, alive);
       end.notFinite = either(end.notFinite, s.notFinite);
-      const M over = either(either(s.leaves, s.notFinite), maxComponent(r.transmitted) < F(1e-5f));
+      const M dark = both(maxComponent(r.transmitted) < F(1e-5f), negate(r.mirrors.crossing.before > F(0)));
+      const M over = either(either(s.leaves, s.notFinite), dark);
+      const M ended = both(alive, over);
       alive = both(alive, negate(over));
+      if (mScene.rules.fresnel && any(ended)) alive = either(alive, reflectWaiting(r, both(ended, negate(s.notFinite))));
       const M limit = both(alive, r.steps > I(mScene.rules.maxSteps - 1));
       end.stepLimit = either(end.stepLimit, limit);
       alive = both(alive, negate(limit));
@@ -168,14 +244,84 @@ private:
     const M busy = both(alive, negate(free));
     M meets = both(free, s.optics != I(0)); // what is not the ambient medium
     if (any(busy)) bend(r, towards, voxel, busy, ds, meets, s);
+    ReceiverHit<F> hit;
+    M lands = none;
+    if (mScene.receivers.any()) lands = meetReceivers(r, alive, hit, ds, s);
     r.depth = select(meets, smaller(r.depth, r.travelled), r.depth);
     const M moves = both(alive, negate(s.notFinite));
-    const Vec3<F> from = r.ray.x;
+    const RayOf<F> before = r.ray;
+    const Vec3<F> transmitted = r.transmitted;
     r.ray = {select<F>(moves, s.to.x, r.ray.x), select<F>(moves, s.to.v, r.ray.v)};
-    if (mMedium.attenuates) scatter(r, from, s, moves);
+    // A ray that was sent back is outside already, whatever of the skin it still has to cross.
+    if (mMedium.attenuates) scatter(r, before.x, s, both(moves, negate(r.mirrors.crossing.before < F(0))));
     r.travelled = r.travelled + ds;
+    if (any(lands)) {
+      receive(mScene, r, hit, lands);
+      r.depth = select(lands, smaller(r.depth, r.travelled), r.depth);
+    }
+    if (mScene.rules.fresnel)
+      reflect(r, watchStep(r.mirrors.crossing, before, r.ray, s.length, transmitted, both(moves, negate(lands))));
     r.steps = select(alive, r.steps + I(1), r.steps);
     return s;
+  }
+
+  /// Ends steps at the receivers that they meet. \return the rays that do
+  VOLCAUSTIC_HD M meetReceivers(const ViewRay<F>& r, const M& alive, ReceiverHit<F>& hit, F& ds, Step& s) const {
+    const Vec3<F> chord = s.to.x - r.ray.x;
+    const F squared = dot(chord, chord), inverse = inverseRoot(larger(squared, F(1e-20f))), way = squared * inverse;
+    hit = nearestHit<F>(mScene.receivers, r.ray.x, chord * inverse, F(-kReceiverOverlap), way,
+                        both(alive, negate(s.notFinite)), true);
+    const M lands = found(hit);
+    if (!any(lands)) return lands;
+    const F part = select(lands, hit.distance * inverse, F(1));
+    s.to.x = select<F>(lands, mulAdd(chord, part, r.ray.x), s.to.x);
+    s.length = s.length * part;
+    ds = ds * part;
+    return lands;
+  }
+
+  /// Splits rays at surfaces: the ray goes on with what is not reflected. Two reflected rays wait; of more, the weakest
+  /// see the background only.
+  VOLCAUSTIC_HD void reflect(ViewRay<F>& r, const Reflection<F>& reflection) const {
+    if (!any(reflection.on)) return;
+    const F share = select(reflection.on, reflection.share, F(0));
+    WaitingRay<F> next{reflection.to, reflection.light * share, reflection.rise};
+    r.transmitted = r.transmitted * (F(1) - share);
+    r.mirrors.crossing.light = r.mirrors.crossing.light * (F(1) - share); // of one that began in the same step
+    for (WaitingRay<F>& w : r.mirrors.waiting) {
+      const M stronger = maxComponent(next.share) > larger(maxComponent(w.share), F(1 / 512.0f));
+      const WaitingRay<F> weaker = w;
+      w.ray = {select<F>(stronger, next.ray.x, w.ray.x), select<F>(stronger, next.ray.v, w.ray.v)};
+      w.share = select<F>(stronger, next.share, w.share);
+      w.rise = select(stronger, next.rise, w.rise);
+      next.ray = {select<F>(stronger, weaker.ray.x, next.ray.x), select<F>(stronger, weaker.ray.v, next.ray.v)};
+      next.share = select<F>(stronger, weaker.share, next.share);
+      next.rise = select(stronger, weaker.rise, next.rise);
+    }
+    seeBackground(mScene, r, next.ray.v, next.share, maxComponent(next.share) > F(0));
+  }
+
+  /// Lets reflected rays that wait take the place of those that have come to their end. \return where there are any
+  VOLCAUSTIC_HD M reflectWaiting(ViewRay<F>& r, const M& ended) const {
+    WaitingRay<F>& next = r.mirrors.waiting[0];
+    const M again = both(ended, maxComponent(next.share) > F(0));
+    if (!any(again)) return again;
+    arrive(mScene, r, again);
+    const Vec3<F> dark(F(0));
+    r.ray = {select<F>(again, next.ray.x, r.ray.x), select<F>(again, next.ray.v, r.ray.v)};
+    r.transmitted = select<F>(again, next.share, r.transmitted);
+    r.clear = select(again, F(0), r.clear);
+    r.plan = select(again, I(0), r.plan);
+    r.travelled = select(again, F(3.0e38f), r.travelled); // what a reflection shows is not the picture's depth
+    SurfaceCrossing<F>& c = r.mirrors.crossing;
+    c.before = select(again, F(-1), c.before);
+    c.rise = select(again, F(0) - next.rise, c.rise);
+    WaitingRay<F>& last = r.mirrors.waiting[1];
+    next.ray = {select<F>(again, last.ray.x, next.ray.x), select<F>(again, last.ray.v, next.ray.v)};
+    next.share = select<F>(again, last.share, next.share);
+    next.rise = select(again, last.rise, next.rise);
+    last.share = select<F>(again, dark, last.share);
+    return again;
   }
 
   /// Finds the way ahead through bricks that are not busy, for rays that have come to the end of what they know.
@@ -299,32 +445,39 @@ private:
   bool mFog; ///< whether the ambient medium scatters
 };
 
-/// The rays through the points (column, row) of the raster, for the lanes `on`; those that meet the box in `hits`.
+/// The rays through the points (column, row) of the raster, for the lanes `on`; those that meet the box in `hits`. What
+/// is between the camera and the box has been looked at.
 template <class F>
 VOLCAUSTIC_HD inline ViewRay<F> lookThrough(const ViewScene& scene, const DoubleOf<F>& column, const DoubleOf<F>& row,
                                             const MaskOf<F>& on, MaskOf<F>& hits) {
   const CameraRay<F> start = scene.camera.ray<F>(scene.plan.box, column, row);
   hits = both(on, start.hits);
+  const Float3 eye(scene.camera.origin);
   ViewRay<F> r;
-  r.ray = {select<F>(hits, start.start, Vec3<F>(F(0.5f))), start.direction};
-  r.travelled = start.distance;
+  r.ray = {{F(eye.x), F(eye.y), F(eye.z)}, start.direction};
+  if (scene.receivers.any()) {
+    const ReceiverHit<F> hit = nearestHit<F>(scene.receivers, r.ray.x, r.ray.v, F(0), start.distance, hits, true);
+    const MaskOf<F> lands = found(hit);
+    if (any(lands)) receive(scene, r, hit, lands);
+    r.depth = select(lands, hit.distance, r.depth);
+    hits = both(hits, negate(lands));
+  }
+  r.ray.x = select<F>(hits, start.start, r.ray.x);
+  r.travelled = select(hits, start.distance, F(0));
   if (any(hits)) r.ray.v = select<F>(hits, r.ray.v * sampleField(scene.medium, r.ray.x).n, r.ray.v);
   return r;
 }
 
-/// What a ray has seen, with the background behind it.
+/// What rays have seen, with all that is behind those that have come to their ends; of the others it means nothing.
 template <class F>
-VOLCAUSTIC_HD inline PixelSumOf<F> seen(const ViewScene& scene, const ViewRay<F>& r) {
-  const ViewRules& rules = scene.rules;
-  const float ratio = rules.cameraIndex / rules.ambientIndex;
-  const auto vec = [](const Float3& a) { return Vec3<F>(F(a.x), F(a.y), F(a.z)); };
-  const Vec3<F>& v = r.ray.v;
-  const F height = F(0.5f) + F(0.5f) * dot(v * inverseRoot(dot(v, v)), vec(rules.up));
+VOLCAUSTIC_HD inline PixelSumOf<F> seen(const ViewScene& scene, ViewRay<F>& r, const MaskOf<F>& ended) {
+  arrive(scene, r, ended);
   PixelSumOf<F> sum;
   sum.caustic = r.caustic;
   sum.direct = r.direct;
-  sum.background = r.transmitted * (vec(rules.bottom) + vec(rules.top - rules.bottom) * height) * F(ratio * ratio);
-  sum.transmittance = r.transmitted;
+  sum.background = r.background;
+  sum.receiver = r.receiver;
+  sum.transmittance = r.through;
   sum.depth = r.depth;
   sum.steps = toFloat(r.steps);
   return sum;
@@ -350,7 +503,7 @@ struct ViewBody {
       if (end.notFinite) sink.count(Counter::NotFinite, 1);
       if (end.stepLimit) sink.count(Counter::StepLimit, 1);
       float values[kPixelPlanes];
-      planes.forEach<float>(seen(scene, r), [&](int plane, float v) { values[plane] = v; });
+      planes.forEach<float>(seen(scene, r, true), [&](int plane, float v) { values[plane] = v; });
       planes.add(pixel, 1, s, [&](int plane) { return values + plane; });
     }
   }

@@ -65,6 +65,22 @@ void noteSurface(const GltfValue& material, GltfNotes& notes) {
       }
 }
 
+/// The base colour of an opaque material. What is not matte is rendered as if it were.
+Rgb albedoOf(const GltfValue& material, GltfNotes& notes) {
+  Rgb albedo{1, 1, 1};
+  const auto pbr = material.find("pbrMetallicRoughness");
+  if (!pbr) return albedo;
+  if (const auto base = pbr->find("baseColorFactor")) {
+    if (base->size() != 4) base->fail("must be an array of 4 numbers");
+    for (std::size_t c = 0; c < 3; ++c) albedo[c] = (*base)[c].number(0, 1);
+  }
+  if (pbr->find("baseColorTexture"))
+    notes.add(*pbr, "the texture of an opaque surface is not read; it has its base colour all over");
+  if (const auto metallic = pbr->find("metallicFactor"); metallic && metallic->number() > 0)
+    notes.add(*metallic, "metal is rendered as if it were matte");
+  return albedo;
+}
+
 std::string uniqueName(const GltfValue& material, std::size_t number, std::set<std::string>& taken) {
   const auto given = material.find("name");
   std::string name = given ? given->text() : "";
@@ -85,7 +101,10 @@ std::vector<GltfMaterial> gltfMaterials(const GltfFile& file, GltfNotes& notes) 
     material.material.index = indexOf(value, notes);
     material.material.attenuation = attenuationOf(value);
     material.transmits = transmits(value);
-    if (material.transmits) noteSurface(value, notes);
+    if (material.transmits)
+      noteSurface(value, notes);
+    else
+      material.albedo = albedoOf(value, notes);
     materials.push_back(std::move(material));
   }
   materials.emplace_back().material.name = "opaque";

@@ -11,7 +11,8 @@ namespace volcaustic {
 
 struct GltfMaterial {
   Material material;
-  bool transmits = false; ///< otherwise opaque: its bodies bend no light
+  bool transmits = false;    ///< otherwise opaque: its surfaces are receivers
+  Rgb albedo{0.8, 0.8, 0.8}; ///< of opaque ones
 };
 
 /// One for each of the file, of different names, and a last one for primitives that name none.

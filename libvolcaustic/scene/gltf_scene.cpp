@@ -5,6 +5,8 @@
 #include "scene/gltf_mesh.h"
 
 #include <algorithm>
+#include <cctype>
+#include <functional>
 #include <map>
 
 namespace volcaustic {
@@ -20,7 +22,7 @@ constexpr std::size_t kMostPrimitives = 1 << 12; ///< of a mesh and a material, 
 struct Part {
   std::size_t material; ///< of gltfMaterials()
   std::vector<std::size_t> primitives;
-  std::uint64_t bytes = 0; ///< of the triangles, where the material transmits
+  std::uint64_t bytes = 0; ///< of the triangles
 };
 
 class Importer {
@@ -35,14 +37,16 @@ public:
     Scene scene;
     for (const GltfNode& node : nodes) addObjects(node, scene);
     mFile.context().requireMemory(mTriangleBytes,
-                                  mFile.name() + ": its " + std::to_string(scene.objects.size()) + " objects");
+                                  mFile.name() + ": its " +
+                                      std::to_string(scene.objects.size() + scene.receivers.size()) + " objects");
     scene.materials.clear();
-    for (const GltfMaterial& m : mMaterials) scene.materials.push_back(m.material);
-    if (!mUsesOpaque) scene.materials.pop_back();
+    for (const GltfMaterial& m : mMaterials)
+      if (m.transmits) scene.materials.push_back(m.material);
     scene.lights = gltfLights(mFile, nodes);
     if (scene.lights.empty()) scene.lights.push_back(defaultSun());
     const auto camera = gltfCamera(mFile, nodes, mOptions.camera, mNotes);
     scene.camera = camera ? *camera : defaultCamera();
+    scene.background.up = {0, 1, 0};
     mNotes.report(mFile.name(), mFile.context());
     return scene;
   }
@@ -68,17 +72,39 @@ private:
     if (node.place.extension("EXT_mesh_gpu_instancing")) mNotes.add(node.place, "only one of its instances is read");
     const std::optional<Placement> placement = placementOf(node.world);
     for (const Part& part : partsOf(mesh)) {
-      if (scene.objects.size() == kMostObjects)
+      if (scene.objects.size() + scene.receivers.size() == kMostObjects)
         node.place.fail("more than " + std::to_string(kMostObjects) + " objects; join some");
+      const std::string meshFile =
+          mFile.fileName() + "#" + gltfFragment(mesh, part.primitives, mParts[mesh].size() == 1);
+      const GltfMaterial& material = mMaterials[part.material];
+      if (placement) mTriangleBytes += part.bytes;
+      if (!material.transmits) {
+        if (placement) addReceiver(nameOf(node.place, mesh), meshFile, *placement, material.albedo, scene);
+        continue;
+      }
       SceneObject object;
       object.name = nameOf(node.place, mesh);
-      object.meshFile = mFile.fileName() + "#" + gltfFragment(mesh, part.primitives, mParts[mesh].size() == 1);
-      object.material = mMaterials[part.material].material.name;
-      object.visible = placement && mMaterials[part.material].transmits;
+      object.meshFile = meshFile;
+      object.material = material.material.name;
+      object.visible = placement.has_value();
       if (placement) object.placement = *placement;
-      if (object.visible) mTriangleBytes += part.bytes;
       scene.objects.push_back(std::move(object));
     }
+  }
+
+  /// Under a name that is no other receiver's, and may be a file's.
+  void addReceiver(std::string name, const std::string& meshFile, const Placement& placement, const Rgb& albedo,
+                   Scene& scene) {
+    const auto isPlain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_'; };
+    std::replace_if(name.begin(), name.end(), std::not_fn(isPlain), '_');
+    if (name.empty()) name = "receiver";
+    if (const int before = mReceiverNames[name]++; before > 0) name += "." + std::to_string(before);
+    SceneReceiver receiver;
+    receiver.name = std::move(name);
+    receiver.meshFile = meshFile;
+    receiver.placement = placement;
+    receiver.albedo = albedo;
+    scene.receivers.push_back(std::move(receiver));
   }
 
   [[nodiscard]] std::string nameOf(const GltfValue& node, std::size_t mesh) const {
@@ -108,19 +134,13 @@ private:
       if (parts[place->second].primitives.size() > kMostPrimitives)
         primitives.fail("more than " + std::to_string(kMostPrimitives) + " primitives of one material; join them");
     }
-    for (Part& part : parts)
-      if (mMaterials[part.material].transmits) part.bytes = checkGltfPrimitives(mFile, mesh, part.primitives);
+    for (Part& part : parts) part.bytes = checkGltfPrimitives(mFile, mesh, part.primitives);
     return parts;
   }
 
   std::size_t materialOf(const GltfValue& primitive) {
     const auto reference = primitive.find("material");
-    const std::size_t number = reference ? mFile.indexOf(*reference, "materials") : mMaterials.size() - 1;
-    if (!reference) mUsesOpaque = true;
-    if (!mMaterials[number].transmits)
-      mNotes.add(reference ? mFile.item("materials", number) : primitive,
-                 "is not glass (no KHR_materials_transmission); objects of it are left out, \"visible\": false");
-    return number;
+    return reference ? mFile.indexOf(*reference, "materials") : mMaterials.size() - 1;
   }
 
   Light defaultSun() {
@@ -174,8 +194,8 @@ private:
   std::vector<GltfMaterial> mMaterials;
   std::map<std::size_t, std::vector<Part>> mParts;
   std::map<std::pair<std::size_t, std::size_t>, Box> mBoxes;
-  std::uint64_t mTriangleBytes = 0; ///< of all visible objects, each placed in the world
-  bool mUsesOpaque = false;
+  std::uint64_t mTriangleBytes = 0; ///< of all visible objects and receivers, each placed in the world
+  std::map<std::string, int> mReceiverNames;
 };
 
 } // namespace

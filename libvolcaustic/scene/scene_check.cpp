@@ -2,6 +2,7 @@
 
 #include "core/nearest_word.h"
 #include "scene/json_document.h"
+#include "volcaustic/error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,6 +62,30 @@ void checkGroups(const SceneObject& object, const std::vector<std::string>& mate
   }
 }
 
+/// Which grids there are, only the file knows.
+void checkVolumeObject(const SceneObject& object, const std::string& pointer, const SceneSource& source) {
+  if (!object.meshFile.empty()) source.fail(pointer + "/volume", "stands beside a mesh; make two objects of them");
+  if (!object.groups.empty()) source.fail(pointer + "/groups", "are those of a mesh; remove them");
+  if (object.grids.empty())
+    source.fail(pointer + "/grids", "are missing; say what a grid is, as [{\"name\": \"density\", \"property\": "
+                                    "\"attenuation\"}]");
+  std::set<OpticalProperty> listed;
+  for (std::size_t i = 0; i < object.grids.size(); ++i)
+    if (!listed.insert(object.grids[i].property).second)
+      source.fail(pointer + "/grids/" + std::to_string(i) + "/property",
+                  "is that of another grid too; remove one, or make two objects of the volume");
+  if (listed.contains(OpticalProperty::Asymmetry) && !listed.contains(OpticalProperty::Scattering))
+    source.fail(pointer + "/grids", "give asymmetry without scattering; say what scatters too");
+}
+
+void checkMeshObject(const SceneObject& object, const std::vector<std::string>& materials, const std::string& pointer,
+                     const SceneSource& source) {
+  if (object.meshFile.empty()) source.fail(pointer + "/mesh", "is missing; give a mesh file, or a volume");
+  if (!object.grids.empty()) source.fail(pointer + "/grids", "are those of a volume; remove them");
+  checkMaterialName(object.material, materials, pointer, source);
+  checkGroups(object, materials, pointer, source);
+}
+
 void checkObjects(const Scene& scene, const SceneSource& source) {
   std::vector<std::string> names;
   for (const Material& material : scene.materials) {
@@ -70,8 +95,10 @@ void checkObjects(const Scene& scene, const SceneSource& source) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     const std::string pointer = "/objects/" + std::to_string(i);
-    checkMaterialName(object.material, names, pointer, source);
-    checkGroups(object, names, pointer, source);
+    if (object.volumeFile.empty())
+      checkMeshObject(object, names, pointer, source);
+    else
+      checkVolumeObject(object, pointer, source);
     for (int axis = 0; axis < 3; ++axis)
       if (object.placement.scale[axis] == 0)
         source.fail(pointer + "/scale/" + std::to_string(axis), "0 makes the object flat; give another value");
@@ -82,10 +109,33 @@ void checkLights(const Scene& scene, const SceneSource& source) {
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const Light& light = scene.lights[i];
     const std::string pointer = "/lights/" + std::to_string(i);
-    if (light.type != LightType::Point && dot(light.direction, light.direction) == 0)
+    const bool aims = light.type == LightType::Directional || light.type == LightType::Spot;
+    if (aims && dot(light.direction, light.direction) == 0)
       source.fail(pointer + "/direction", "has no length; say where the light goes, as [0, 0, -1]");
     if (light.type == LightType::Spot && light.innerAngle > light.outerAngle)
       source.fail(pointer + "/innerAngle", "is above outerAngle; give an angle from 0 to that");
+  }
+  if (!scene.photons.separate) return;
+  try {
+    (void)lightLayers(scene.lights);
+  } catch (const Error& e) {
+    source.fail("/lights", e.what());
+  }
+}
+
+void checkReceivers(const Scene& scene, const SceneSource& source) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < scene.receivers.size(); ++i) {
+    const SceneReceiver& r = scene.receivers[i];
+    const std::string pointer = "/receivers/" + std::to_string(i);
+    if (r.name.find_first_of("/\\:*?\"<>|") != std::string::npos || r.name.starts_with('.'))
+      source.fail(pointer + "/name", excerpt(r.name) + " cannot be the name of a light map's file; give a plain word");
+    if (!r.name.empty() && !names.insert(r.name).second)
+      source.fail(pointer + "/name", excerpt(r.name) + " is another receiver's, too; give one of them another name");
+    const bool square = r.meshFile.empty() && !r.mesh;
+    for (int axis = 0; axis < (square ? 2 : 3); ++axis)
+      if (r.placement.scale[axis] == 0)
+        source.fail(pointer + "/scale/" + std::to_string(axis), "0 leaves no surface; give another value");
   }
 }
 
@@ -105,11 +155,14 @@ void checkScene(const Scene& scene, const SceneSource& source) {
   checkVolume(scene, source);
   checkObjects(scene, source);
   checkLights(scene, source);
+  checkReceivers(scene, source);
   if (scene.stepField.indexTolerance2 < scene.stepField.indexTolerance)
     source.fail("/stepField/indexTolerance2", "must not be below indexTolerance; raise it or lower the other");
   if (scene.photons.maxStep < scene.photons.minStep)
     source.fail("/photons/maxStep", "must not be below minStep; raise it or lower the other");
   checkCamera(scene.camera, source);
+  if (dot(scene.background.up, scene.background.up) == 0)
+    source.fail("/background/up", "has no length; give a direction, as [0, 0, 1]");
 }
 
 } // namespace volcaustic

@@ -16,13 +16,14 @@ template <class Visitor>
 void describeScene(Visitor&& visit, Scene& scene) {
   visit.section("volume", scene.volume, "the box that light is computed in, and what fills it outside the objects");
   visit.named("materials", scene.materials, "what objects are made of, by name");
-  visit.list("objects", scene.objects, "bodies that bend light");
+  visit.list("objects", scene.objects, "bodies that bend light, and volumes made by others");
   visit.list("lights", scene.lights, "sources of photons");
+  visit.list("receivers", scene.receivers, "opaque diffuse surfaces: they collect light, cast shadows and are seen");
   visit.section("voxelise", scene.voxelise, "from surfaces to voxels");
   visit.section("stepField", scene.stepField, "how far light may go in one step");
   visit.section("photons", scene.photons, "the photon pass");
   visit.section("camera", scene.camera, "where the picture is taken from");
-  visit.section("background", scene.background, "what a camera ray meets outside the box: a vertical gradient");
+  visit.section("background", scene.background, "what is around the box: a gradient, or a map of all directions");
   visit.section("view", scene.view, "the camera pass");
 }
 

@@ -63,6 +63,7 @@ public:
       mRequired.push_back(name);
     else
       field["default"] = mDefaults.at(name);
+    if (doc.alternative) mAlternatives.push_back({{"required", {name}}, {"properties", {{name, {{"minLength", 1}}}}}});
     mProperties[name] = std::move(field);
   }
 
@@ -78,6 +79,7 @@ public:
   Json take() {
     Json schema{{"type", "object"}, {"properties", std::move(mProperties)}};
     if (!mRequired.empty()) schema["required"] = std::move(mRequired);
+    if (!mAlternatives.empty()) schema["anyOf"] = std::move(mAlternatives);
     schema["additionalProperties"] = false;
     return schema;
   }
@@ -86,6 +88,7 @@ private:
   const Json& mDefaults;
   Json mProperties = Json::object();
   Json mRequired = Json::array();
+  Json mAlternatives = Json::array();
 };
 
 /// Visits a scene that holds one default element of each list.
@@ -141,6 +144,7 @@ Json buildSchema() {
   Scene scene;
   scene.objects.resize(1);
   scene.objects.front().groups.resize(1);
+  scene.objects.front().grids.resize(1);
   scene.lights.resize(1);
   const Json defaults = sceneDocument(scene);
   SceneSchema sections(defaults);

@@ -3,6 +3,7 @@
 #include "core/hash.h"
 #include "scene/scene_meshes.h"
 #include "transport/passes.h"
+#include "transport/picture.h"
 #include "volcaustic/error.h"
 #include "volcaustic/options.h"
 #include "volcaustic/vdb.h"
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace volcaustic {
 
@@ -37,6 +39,7 @@ private:
     mHash.values(std::span<const T>(v));
   }
   void add(const std::string& v) { mHash.text(v); }
+  void add(const std::filesystem::path& v) { mHash.text(v.string()); }
 
   Hash& mHash;
 };
@@ -80,6 +83,15 @@ struct Session::State {
     std::shared_ptr<const Mesh> mesh;
   };
   std::map<std::filesystem::path, LoadedMesh> meshes; // as read, before placement
+  struct LoadedVolume {
+    std::filesystem::file_time_type time;
+    std::vector<std::string> names;
+    std::shared_ptr<const VolumeGrids> grids;
+  };
+  std::map<std::filesystem::path, LoadedVolume> volumes; // of this scene alone: they are large
+
+  Background background; // of the last call of Session::background()
+  std::filesystem::file_time_type backgroundTime;
 
   /// Runs `run` when the stage's key has changed, and books the time.
   template <class Result, class Run>
@@ -95,7 +107,9 @@ struct Session::State {
     return *stage.result;
   }
 
-  const LoadedMesh& load(const SceneObject& object, SceneMeshReader& reader) {
+  /// The mesh of an object or a receiver.
+  template <class Holder>
+  const LoadedMesh& load(const Holder& object, SceneMeshReader& reader) {
     if (object.mesh) {
       // A mesh in memory may change behind its pointer, so it is hashed afresh.
       LoadedMesh& entry = meshes["memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(object.mesh.get()))];
@@ -114,7 +128,8 @@ struct Session::State {
   }
 
   static std::string nameOf(const SceneObject& object) {
-    return !object.name.empty() ? object.name : object.meshFile.filename().string();
+    if (!object.name.empty()) return object.name;
+    return (object.volumeFile.empty() ? object.meshFile : object.volumeFile).filename().string();
   }
 
   const Material& material(const std::string& name, const SceneObject& object) const {
@@ -130,9 +145,57 @@ struct Session::State {
     return bodiesByGroup(std::move(mesh), material(o.material, o), o.priority, groups, nameOf(o), ctx);
   }
 
+  std::vector<Receiver> receivers() {
+    std::vector<Receiver> all;
+    SceneMeshReader reader(ctx);
+    for (const SceneReceiver& r : scene.receivers) {
+      const std::string name = !r.name.empty() ? r.name : "receiver" + std::to_string(all.size());
+      const bool square = !r.mesh && r.meshFile.empty();
+      all.push_back({name, square ? nullptr : load(r, reader).mesh, affine(r.placement), r.albedo, r.resolution,
+                     r.visible});
+    }
+    return all;
+  }
+
+  void addReceivers(Hash& hash) {
+    SceneMeshReader reader(ctx);
+    for (const SceneReceiver& r : scene.receivers) {
+      addOptions(hash, r);
+      if (r.mesh || !r.meshFile.empty()) hash.value(load(r, reader).key);
+    }
+  }
+
+  static std::filesystem::file_time_type timeOf(const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::last_write_time(file, ignored);
+  }
+
+  /// The scene's volumes; files that did not change are not read again.
+  std::vector<MediumVolume> mediumVolumes() {
+    std::map<std::filesystem::path, LoadedVolume> before = std::exchange(volumes, {});
+    for (const SceneObject& o : scene.objects)
+      if (o.visible && !o.volumeFile.empty())
+        for (const PropertyGrid& p : o.grids) volumes[o.volumeFile].names.push_back(p.mapping.grid);
+    for (auto& [file, loaded] : volumes) {
+      loaded.time = timeOf(file);
+      const auto old = before.find(file);
+      if (old != before.end() && old->second.time == loaded.time && old->second.names == loaded.names)
+        loaded.grids = std::move(old->second.grids);
+    }
+    before.clear(); // before the new ones take memory
+    for (auto& [file, loaded] : volumes)
+      if (!loaded.grids) loaded.grids = readVolumeGrids(file, loaded.names, ctx);
+
+    std::vector<MediumVolume> placed;
+    for (const SceneObject& o : scene.objects)
+      if (o.visible && !o.volumeFile.empty())
+        placed.push_back({volumes[o.volumeFile].grids, o.grids, affine(o.placement), "objects (" + nameOf(o) + ")"});
+    return placed;
+  }
+
   [[nodiscard]] Hash mediumKey() {
     Hash h;
-    h.text("medium 1");
+    h.text("medium 2");
     const SceneVolume& v = scene.volume;
     addOptions(h, v.ambient);
     if (!v.file.empty()) {
@@ -147,6 +210,12 @@ struct Session::State {
     for (const SceneObject& o : scene.objects) {
       if (!o.visible) continue;
       addOptions(h, o.placement);
+      h.text(o.volumeFile.string());
+      if (!o.volumeFile.empty()) {
+        h.value(timeOf(o.volumeFile).time_since_epoch().count()).value(o.grids.size());
+        for (const PropertyGrid& p : o.grids) addOptions(h, p);
+        continue;
+      }
       addOptions(h, material(o.material, o));
       h.value(o.priority).value(load(o, reader).key).value(o.groups.size());
       for (const SceneGroup& g : o.groups) {
@@ -162,10 +231,11 @@ struct Session::State {
     std::vector<Body> bodies;
     SceneMeshReader reader(ctx);
     for (const SceneObject& o : scene.objects) {
-      if (!o.visible) continue;
+      if (!o.visible || !o.volumeFile.empty()) continue;
       for (Body& body : bodiesOf(o, reader)) bodies.push_back(std::move(body));
     }
-    return buildMedium(bodies, scene.volume.ambient, domainOf(bodies), scene.voxelise, ctx);
+    const std::vector<MediumVolume> placed = mediumVolumes();
+    return buildMedium(bodies, placed, scene.volume.ambient, domainOf(bodies, placed), scene.voxelise, ctx);
   }
 
   /// The medium made ready for the kernels; photons and view share it. `medium` must be current.
@@ -176,16 +246,35 @@ struct Session::State {
     return ensure(flat, "stepField", h, [&] { return flattenMedium(*medium.result, scene.stepField, ctx); });
   }
 
-  /// The scene's box, or the bodies' enlarged by the margin.
-  [[nodiscard]] Domain domainOf(const std::vector<Body>& bodies) const {
-    const SceneVolume& v = scene.volume;
-    Box box = v.bounds;
-    if (v.automatic) {
-      if (bodies.empty())
-        throw Error(ErrorKind::Input, "volume.bounds: \"auto\" needs a visible object; give min and max");
-      box = bounds(*bodies.front().mesh);
-      for (const Body& b : bodies) {
-        const Box other = bounds(*b.mesh);
+  void addBackground(Hash& hash, Background b) const {
+    addOptions(hash, b);
+    if (scene.background.image)
+      for (const std::vector<float>& plane : b.image->planes) hash.values(std::span<const float>(plane));
+    else if (b.image)
+      hash.value(backgroundTime.time_since_epoch().count());
+  }
+
+  void addLight(Hash& hash, Light light) const {
+    addOptions(hash, light);
+    if (light.type != LightType::Environment) return;
+    light.environment.visible = true; // to the camera, of which light knows nothing
+    addBackground(hash, light.environment);
+  }
+
+  /// The scene's box, or that of bodies and volumes enlarged by the margin.
+  [[nodiscard]] Domain domainOf(const std::vector<Body>& bodies, const std::vector<MediumVolume>& placed) const {
+    const SceneVolume& volume = scene.volume;
+    Box box = volume.bounds;
+    if (volume.automatic) {
+      std::vector<Box> boxes;
+      for (const Body& b : bodies) boxes.push_back(bounds(*b.mesh));
+      for (const MediumVolume& v : placed)
+        if (const auto around = bounds(*v.grids, v.placement)) boxes.push_back(*around);
+      if (boxes.empty())
+        throw Error(ErrorKind::Input,
+                    "volume.bounds: \"auto\" needs a visible object that is not empty; give min and max");
+      box = boxes.front();
+      for (const Box& other : boxes) {
         for (int a = 0; a < 3; ++a) {
           box.min[a] = std::min(box.min[a], other.min[a]);
           box.max[a] = std::max(box.max[a], other.max[a]);
@@ -193,11 +282,11 @@ struct Session::State {
       }
       const double longest = std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
       for (int a = 0; a < 3; ++a) {
-        box.min[a] -= v.margin * longest;
-        box.max[a] += v.margin * longest;
+        box.min[a] -= volume.margin * longest;
+        box.max[a] += volume.margin * longest;
       }
     }
-    return domainAround(box, v.resolution, v.voxelSize, 0);
+    return domainAround(box, volume.resolution, volume.voxelSize, 0);
   }
 };
 
@@ -226,9 +315,13 @@ const PhotonResult& Session::photons() {
   Hash h;
   h.text("photons 1").value(s.flat.key).value(s.ctx.seed);
   addOptions(h, s.scene.photons);
-  for (const Light& light : s.scene.lights) addOptions(h, light);
+  std::vector<Light> lights = s.scene.lights;
+  for (Light& light : lights)
+    if (light.type == LightType::Environment) light.environment = background();
+  for (const Light& light : lights) s.addLight(h, light);
+  s.addReceivers(h);
   return s.ensure(s.photons, "photons", h,
-                  [&] { return tracePhotons(m, flat, s.scene.lights, s.scene.photons, s.ctx, s.tracers); });
+                  [&] { return tracePhotons(m, flat, lights, s.receivers(), s.scene.photons, s.ctx, s.tracers); });
 }
 
 const ViewResult& Session::view(const ViewObserver& observer) {
@@ -239,17 +332,36 @@ const ViewResult& Session::view(const ViewObserver& observer) {
   Hash h;
   h.text("view 2").value(s.photons.key).value(s.flat.key);
   addOptions(h, s.scene.camera);
-  addOptions(h, s.scene.background);
+  const Background& behind = background();
+  s.addBackground(h, behind);
   addOptions(h, s.scene.view);
-  return s.ensure(s.view, "view", h, [&] {
-    return renderView(m, flat, light.radiance, s.scene.camera, s.scene.background, s.scene.view, s.ctx, observer);
-  });
+  return s.ensure(s.view, "view", h,
+                  [&] { return renderView(m, flat, light, s.scene.camera, behind, s.scene.view, s.ctx, observer); });
+}
+
+const Background& Session::background() {
+  Background& b = mState->background;
+  const std::filesystem::path fileBefore = std::exchange(b.file, {});
+  const std::shared_ptr<const Image> imageBefore = std::exchange(b.image, nullptr);
+  b = mState->scene.background;
+  if (b.image || b.file.empty()) return b;
+  const auto time = State::timeOf(b.file);
+  const bool known = imageBefore && fileBefore == b.file && mState->backgroundTime == time;
+  b.image = known ? imageBefore : readEnvironment(b.file, mState->ctx);
+  mState->backgroundTime = time;
+  return b;
+}
+
+std::vector<std::string> Session::viewChannels() const {
+  const Scene& s = scene();
+  const bool separate = s.photons.separate && !mState->foreignRadiance;
+  return pictureChannels(separate ? lightLayers(s.lights) : std::vector<std::string>{});
 }
 
 void Session::setRadiance(RadianceVolume radiance) {
   State& s = *mState;
   s.foreignRadiance = true;
-  s.photons.result = PhotonResult{std::move(radiance), {}, {}, 0};
+  s.photons.result = PhotonResult{std::move(radiance), {}, {}, {}, 0};
   s.photons.key = Hash().text("foreign").value(++s.photons.key).digest();
 }
 

@@ -2,6 +2,7 @@
 
 #include "volcaustic/error.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace volcaustic {
@@ -16,13 +17,13 @@ public:
       : mTracer(std::move(first)), mMakeSecond(std::move(makeSecond)) {}
 
   void emit(const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
-            float* entry) override {
-    attempt([&] { mTracer->emit(frame, reach, rows, entry); });
-    remember({frame, rows, true, Reach(reach)});
+            const RasterCells& cells) override {
+    attempt([&] { mTracer->emit(frame, reach, rows, cells); });
+    remember({frame, rows, true, Reach(reach), copyOf(frame, rows, cells.stops)});
   }
-  void trace(const kernels::EmissionFrame& frame, RowRange rows, const float* entry) override {
-    attempt([&] { mTracer->trace(frame, rows, entry); });
-    remember({frame, rows, false, {}});
+  void trace(const kernels::EmissionFrame& frame, RowRange rows, const RasterCells& cells) override {
+    attempt([&] { mTracer->trace(frame, rows, cells); });
+    remember({frame, rows, false, {}, {}});
   }
   void wait() override {
     attempt([&] { mTracer->wait(); });
@@ -64,7 +65,13 @@ private:
     RowRange rows;
     bool isEmission;
     Reach reach;
+    std::vector<float> stops; ///< of the rows; empty without receivers
   };
+
+  [[nodiscard]] std::vector<float> copyOf(const kernels::EmissionFrame& frame, RowRange rows, const float* stops) const {
+    if (!stops || !mMakeSecond) return {};
+    return {stops + std::int64_t{rows.begin} * frame.columns, stops + std::int64_t{rows.end} * frame.columns};
+  }
 
   void remember(Done done) {
     if (mMakeSecond) mDone.push_back(std::move(done));
@@ -84,15 +91,19 @@ private:
     call();
   }
 
-  /// Everything done so far, once more. First bends are made again: the caller's may be gone.
+  /// Everything done so far, once more. First bends are made again: the caller's may be gone. Landings are not: the
+  /// caller has had them.
   void repeat() {
-    std::vector<float> entry;
+    std::vector<float> entry, stops;
     for (const Done& d : mDone) {
       entry.resize(static_cast<std::size_t>(d.frame.cells()));
-      if (d.isEmission)
-        mTracer->emit(d.frame, d.reach.view(), d.rows, entry.data());
-      else
+      if (d.isEmission) {
+        stops.resize(d.stops.empty() ? 0 : entry.size());
+        std::copy(d.stops.begin(), d.stops.end(), stops.data() + std::int64_t{d.rows.begin} * d.frame.columns);
+        mTracer->emit(d.frame, d.reach.view(), d.rows, {entry.data(), d.stops.empty() ? nullptr : stops.data()});
+      } else {
         mTracer->trace(d.frame, d.rows, entry.data());
+      }
     }
     mDone.clear();
   }

@@ -37,12 +37,12 @@ public:
       : mCpu(std::move(cpu)), mOther(std::move(other)), mBalancer(std::move(balancer)) {}
 
   void emit(const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
-            float* entry) override {
-    split(rows, [&](PhotonTracer& tracer, RowRange part) { tracer.emit(frame, reach, part, entry); });
+            const RasterCells& cells) override {
+    split(rows, [&](PhotonTracer& tracer, RowRange part) { tracer.emit(frame, reach, part, cells); });
   }
 
-  void trace(const kernels::EmissionFrame& frame, RowRange rows, const float* entry) override {
-    split(rows, [&](PhotonTracer& tracer, RowRange part) { tracer.trace(frame, part, entry); });
+  void trace(const kernels::EmissionFrame& frame, RowRange rows, const RasterCells& cells) override {
+    split(rows, [&](PhotonTracer& tracer, RowRange part) { tracer.trace(frame, part, cells); });
     mTimes.rows = rows.end - rows.begin;
     mTimes.cpuRows = mBalancer->cpuRows(mTimes.rows);
     mBalancer->frameDone(mTimes);

@@ -2,14 +2,18 @@
 
 #include "volcaustic/photons.h"
 
+#include "backends/lanes.h"
 #include "backends/photon_tracer.h"
 #include "core/large_memory.h"
+#include "core/parallel.h"
 #include "transport/caustic.h"
 #include "transport/direct.h"
 #include "transport/emission.h"
+#include "transport/lit_receivers.h"
 #include "transport/march_rules.h"
 #include "transport/passes.h"
 #include "transport/reach.h"
+#include "transport/separate_lights.h"
 #include "transport/soft_lights.h"
 #include "transport/tracers.h"
 #include "volcaustic/error.h"
@@ -18,6 +22,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <type_traits>
 
 namespace volcaustic {
@@ -53,12 +58,16 @@ FixedPoint fixedPoint(std::span<const NumberedFrame> frames) {
 class PhotonPass {
 public:
   PhotonPass(const Medium& medium, const FlatMediumStorage& flat, std::span<const LightPart> lights,
-             const PhotonOptions& options, const RunContext& ctx, std::shared_ptr<TracerState> state)
+             std::span<const Receiver> receivers, const PhotonOptions& options, const RunContext& ctx,
+             std::shared_ptr<TracerState> state)
       : mMedium(medium)
       , mLights(lights)
       , mOptions(options)
       , mCtx(ctx)
       , mFlat(flat)
+      , mReceivers(receivers, medium.domain(), ctx)
+      , mReceiverScene(mReceivers.scene())
+      , mReceived(mReceivers, medium.domain(), medium.ambient(), ctx)
       , mFrames(allFrames())
       , mScale(fixedPoint(mFrames))
       , mTracer(makeTracer({flat.view(), rules(), mScale, flat.onDevice}, tracerContext(), std::move(state)))
@@ -73,19 +82,14 @@ private:
   [[nodiscard]] std::vector<NumberedFrame> allFrames() const {
     std::vector<NumberedFrame> frames;
     for (std::size_t i = 0; i < mLights.size(); ++i) {
-      const auto& [light, number, part] = mLights[i];
-      PhotonOptions share = mOptions;
-      for (int& side : share.grid) // of a soft light's photons
-        side = std::max(1, static_cast<int>(std::lround(side / std::sqrt(partsOfLight(number)))));
+      const auto& [light, number, part, share] = mLights[i];
+      PhotonOptions own = mOptions;
+      for (int& side : own.grid) side = std::max(1, static_cast<int>(std::lround(side * std::sqrt(share))));
       for (const EmissionFrame& f :
-           emissionFrames(light, number, mMedium.domain(), share, mCtx.seed + part * 0x9e3779b9u))
+           emissionFrames(light, number, mMedium.domain(), own, mCtx.seed + part * 0x9e3779b9u))
         frames.push_back({static_cast<int>(i), f});
     }
     return frames;
-  }
-  [[nodiscard]] double partsOfLight(int number) const {
-    return static_cast<double>(
-        std::count_if(mLights.begin(), mLights.end(), [number](const LightPart& p) { return p.number == number; }));
   }
 
   /// Raster by raster, each in strips of rows: what a tracer keeps for its photons stays small, and a run of hours can
@@ -93,7 +97,17 @@ private:
   void traceFrame(int number) {
     const auto& [light, frame] = mFrames[number];
     mCtx.requireMemory(static_cast<std::uint64_t>(frame.cells()) * sizeof(float), "photons.grid");
-    std::vector<float, UninitialisedAllocator<float>> entry(frame.cells()); // emission writes every cell
+    LargeVector<float> entry(frame.cells()), stops; // every cell is written
+    std::vector<kernels::Landing> landings;
+    RasterCells cells(entry.data());
+    if (mReceiverScene.any()) {
+      mCtx.requireMemory(static_cast<std::uint64_t>(frame.cells()) * (2 * sizeof(float) + sizeof(kernels::Landing)),
+                         "photons.grid");
+      stops.resize(frame.cells());
+      landings.resize(frame.cells());
+      cells = {entry.data(), stops.data(), landings.data()};
+      timed("receivers", [&] { findStops(frame, stops.data()); });
+    }
     const ReachMap reach = timed("reach", [&] { return reachOf(mFlat, frame, mCtx); });
     constexpr std::int64_t kStripCells = 1 << 22;
     const std::int64_t tiles = std::max<std::int64_t>(kStripCells / frame.columns / kernels::kReachTile, 1);
@@ -103,10 +117,32 @@ private:
       const double all = static_cast<double>(mFrames.size()) * frame.rows;
       mTraced = static_cast<double>(number) / static_cast<double>(mFrames.size()) + rows.begin / all;
       mTracing = (rows.end - rows.begin) / all;
-      timed("emission", [&] { mTracer->emit(frame, reach.view(), rows, entry.data()); });
-      timed("photons", [&] { mTracer->trace(frame, rows, entry.data()); });
+      timed("emission", [&] { mTracer->emit(frame, reach.view(), rows, cells); });
+      timed("photons", [&] { mTracer->trace(frame, rows, cells); });
+    }
+    if (mReceiverScene.any()) {
+      timed("photons", [&] { mTracer->wait(); });
+      timed("receivers", [&] {
+        mReceived.addDirect(mLights[light], frame, entry);
+        mReceived.addLandings(frame, landings);
+      });
+      // From here on light ends at receivers as at bends.
+      for (std::size_t i = 0; i < entry.size(); ++i) entry[i] = std::min(entry[i], stops[i]);
     }
     timed("direct light", [&] { mDirect.add(light, frame, entry); });
+  }
+
+  /// Where the rays of a raster first meet a receiver.
+  void findStops(const EmissionFrame& frame, float* stops) const {
+    const LaneSet& lanes = laneSet(parseDevice(mCtx.device).lanes);
+    const kernels::RasterView view = kernels::rasterView(frame);
+    parallelFor(frame.rows, 8, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
+      lanes.findStops({mReceiverScene,
+                       frame,
+                       view,
+                       {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)},
+                       stops});
+    });
   }
 
   /// The caller's, with progress over all rasters and strips.
@@ -140,7 +176,13 @@ private:
   }
 
   [[nodiscard]] kernels::PhotonRules rules() const {
-    return {marchRules(mOptions), mOptions.maxSteps, static_cast<float>(mOptions.cutoff), mOptions.roulette, mCtx.seed};
+    return {marchRules(mOptions),
+            mOptions.maxSteps,
+            static_cast<float>(mOptions.cutoff),
+            mOptions.roulette,
+            mCtx.seed,
+            mOptions.fresnel,
+            mReceiverScene};
   }
 
   PhotonResult finish() {
@@ -156,7 +198,19 @@ private:
     });
     EnergyBalance balance = balanceOfTallies();
     balance.depositedLoss = depositedLoss;
-    return {RadianceVolume(domain, std::move(light)), balance, std::move(mParts), mTracer->peakBytes()};
+    const std::uint64_t peakBytes = mTracer->peakBytes();
+    return {RadianceVolume(domain, std::move(light)), litReceivers(), balance, std::move(mParts), peakBytes};
+  }
+
+  LitReceivers litReceivers() {
+    if (!mReceiverScene.any()) return {};
+    ReceivedLight light = timed("receivers", [&] {
+      for (std::size_t i = 0; i < mLights.size(); ++i)
+        if (std::none_of(mFrames.begin(), mFrames.end(), [i](const NumberedFrame& f) { return f.light == int(i); }))
+          mReceived.addDirect(mLights[i], {}, {}); // a light that does not shine into the box
+      return mReceived.finish();
+    });
+    return LitReceivers(std::make_shared<const LitReceiverData>(std::move(mReceivers), std::move(light)));
   }
 
   [[nodiscard]] EnergyBalance balanceOfTallies() const {
@@ -189,6 +243,9 @@ private:
   const PhotonOptions& mOptions;
   const RunContext& mCtx;
   const FlatMediumStorage& mFlat;
+  ReceiverSet mReceivers;
+  const kernels::ReceiverScene mReceiverScene; ///< without their light
+  ReceiverLight mReceived;
   std::vector<NumberedFrame> mFrames;
   FixedPoint mScale;
   double mTraced = 0, mTracing = 1; ///< fractions of all rows: done, and in the strip that is traced
@@ -219,16 +276,33 @@ double EnergyBalance::relativeImbalance() const {
   return worst;
 }
 
+std::vector<ReceiverMap> LitReceivers::maps() const {
+  if (!mData) return {};
+  return mData->set.maps(mData->light.caustic, mData->light.direct);
+}
+
 PhotonResult tracePhotons(const Medium& medium, const FlatMediumStorage& flat, std::span<const Light> lights,
-                          const PhotonOptions& options, const RunContext& ctx, std::shared_ptr<TracerState> state) {
+                          std::span<const Receiver> receivers, const PhotonOptions& options, const RunContext& ctx,
+                          std::shared_ptr<TracerState> state) {
   check(options);
-  const std::vector<LightPart> parts = partsOf(lights);
-  return PhotonPass(medium, flat, parts, options, ctx, std::move(state)).run();
+  const std::vector<LightPart> parts = partsOf(lights, ctx);
+  if (!options.separate) return PhotonPass(medium, flat, parts, receivers, options, ctx, std::move(state)).run();
+  const std::vector<std::string> names = lightLayers(lights);
+  std::vector<PhotonResult> each;
+  for (int i = 0; i < static_cast<int>(lights.size()); ++i) {
+    std::vector<LightPart> own;
+    std::copy_if(parts.begin(), parts.end(), std::back_inserter(own),
+                 [i](const LightPart& p) { return p.number == i; });
+    const RunContext share = shareOf(ctx, i, static_cast<int>(lights.size()), each);
+    each.push_back(PhotonPass(medium, flat, own, receivers, options, share, state).run());
+    each.back().light = names[i];
+  }
+  return sumOf(std::move(each), medium.domain(), ctx);
 }
 
 PhotonResult tracePhotons(const Medium& medium, std::span<const Light> lights, const StepFieldOptions& stepField,
-                          const PhotonOptions& options, const RunContext& ctx) {
-  return tracePhotons(medium, flattenMedium(medium, stepField, ctx), lights, options, ctx);
+                          const PhotonOptions& options, const RunContext& ctx, std::span<const Receiver> receivers) {
+  return tracePhotons(medium, flattenMedium(medium, stepField, ctx), lights, receivers, options, ctx);
 }
 
 } // namespace volcaustic

@@ -6,6 +6,8 @@
 #include "backends/devices.h"
 #include "backends/view_tracer.h"
 #include "transport/emission.h"
+#include "transport/environment.h"
+#include "transport/lit_receivers.h"
 #include "transport/passes.h"
 #include "transport/picture.h"
 #include "transport/pixel_sampler.h"
@@ -24,7 +26,6 @@ using kernels::Float3;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 Double3 vec(const Vec3d& v) { return {v[0], v[1], v[2]}; }
-Float3 rgb(const Rgb& c) { return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])}; }
 
 void check(const Camera& c, const ViewOptions& o) {
   if (c.resolution[0] < 1 || c.resolution[1] < 1 || c.resolution[0] > 32768 || c.resolution[1] > 32768)
@@ -56,16 +57,14 @@ kernels::CameraFrame cameraFrame(const Camera& c, const Domain& domain) {
           c.resolution[1]};
 }
 
-kernels::ViewRules viewRules(const Camera& c, const Background& b, const ViewOptions& o, double cameraIndex,
-                             double ambientIndex) {
+kernels::ViewRules viewRules(const Background& b, const ViewOptions& o, double cameraIndex, double ambientIndex) {
   kernels::ViewRules r;
   r.step = static_cast<float>(o.step);
   r.maxSteps = o.maxSteps;
+  r.fresnel = o.fresnel;
   r.cameraIndex = static_cast<float>(cameraIndex);
   r.ambientIndex = static_cast<float>(ambientIndex);
-  r.up = Float3(kernels::normalize(vec(c.up)));
-  r.top = rgb(b.top);
-  r.bottom = rgb(b.bottom);
+  if (b.visible) r.background = environmentOf(b, "background");
   return r;
 }
 
@@ -90,8 +89,8 @@ std::unique_ptr<ViewTracer> makeViewer(const kernels::ViewScene& scene, const Vi
 } // namespace
 
 ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const RadianceVolume& radiance,
-                      const Camera& camera, const Background& background, const ViewOptions& options,
-                      const RunContext& ctx, const ViewObserver& observer) {
+                      const LitReceivers& receivers, const Camera& camera, const Background& background,
+                      const ViewOptions& options, const RunContext& ctx, const ViewObserver& observer) {
   check(camera, options);
   const LaneSet& lanes = laneSet(parseDevice(ctx.device).lanes);
   Picture picture(camera, options, medium.domain().voxelSize, ctx);
@@ -104,17 +103,18 @@ ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const
   const kernels::ViewScene scene{flat.view(),
                                  tables.light(),
                                  tables.plan(),
+                                 receivers ? receivers.data().scene() : kernels::ReceiverScene{},
                                  frame,
-                                 viewRules(camera, background, options, cameraIndex, ambient),
+                                 viewRules(background, options, cameraIndex, ambient),
                                  pixelSampler(options.filter, options.samples, ctx.seed)};
   return picture.render(*makeViewer(scene, tables, flat.onDevice, picture.planes(), ctx), observer);
 }
 
 ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
                       const Background& background, const StepFieldOptions& stepField, const ViewOptions& options,
-                      const RunContext& ctx, const ViewObserver& observer) {
-  return renderView(medium, flattenMedium(medium, stepField, ctx), radiance, camera, background, options, ctx,
-                    observer);
+                      const RunContext& ctx, const ViewObserver& observer, const LitReceivers& receivers) {
+  return renderView(medium, flattenMedium(medium, stepField, ctx), radiance, receivers, camera, background, options,
+                    ctx, observer);
 }
 
 } // namespace volcaustic

@@ -37,7 +37,7 @@ void Photons(benchmark::State& state) {
   const FlatMediumStorage flat = flattenMedium(medium, {}, {});
   const Light sun;
   EnergyBalance balance;
-  for (auto _ : state) balance = tracePhotons(medium, flat, std::span(&sun, 1), {}, {}).balance;
+  for (auto _ : state) balance = tracePhotons(medium, flat, std::span(&sun, 1), {}, {}, {}).balance;
   state.counters["traced"] = static_cast<double>(balance.photonsTraced);
   state.counters["steps"] = static_cast<double>(balance.steps);
   state.counters["voxelsCrossed"] = static_cast<double>(balance.voxelsCrossed);
@@ -49,12 +49,12 @@ void View(benchmark::State& state) {
   const Medium medium = glassBall(ambient);
   const FlatMediumStorage flat = flattenMedium(medium, {}, {});
   const Light sun;
-  const RadianceVolume radiance = tracePhotons(medium, flat, std::span(&sun, 1), {}, {}).radiance;
+  const RadianceVolume radiance = tracePhotons(medium, flat, std::span(&sun, 1), {}, {}, {}).radiance;
   Camera camera;
   camera.position = {.5, -2, .6};
   camera.target = {.5, .5, .5};
   std::int64_t steps = 0;
-  for (auto _ : state) steps = renderView(medium, flat, radiance, camera, {}, {}, {}).steps;
+  for (auto _ : state) steps = renderView(medium, flat, radiance, {}, camera, {}, {}, {}).steps;
   state.counters["steps"] = static_cast<double>(steps);
 }
 

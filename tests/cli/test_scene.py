@@ -67,7 +67,8 @@ class Schema(ProgramCase):
         attenuation = schema["properties"]["materials"]["additionalProperties"]["properties"]["attenuation"]
         self.assertEqual(attenuation["items"]["minimum"], 0)
         self.assertIn("[1/world]", attenuation["description"])
-        self.assertEqual(schema["properties"]["objects"]["items"]["required"], ["mesh"])
+        alternatives = schema["properties"]["objects"]["items"]["anyOf"]
+        self.assertEqual([a["required"] for a in alternatives], [["mesh"], ["volume"]])
 
     def test_the_documentation_has_the_tables_of_the_schema(self):
         page = (DATA.parent / "docs" / "scene_file.md").read_text()

@@ -4,6 +4,7 @@
 #include "support/fields.h"
 #include "support/lights.h"
 #include "support/solids.h"
+#include "volcaustic/scene.h"
 #include "volcaustic/view.h"
 
 #include <cmath>
@@ -28,7 +29,8 @@ struct ViewParity : testing::TestWithParam<double> {
     body.material.scattering = {.1, .2, .3};
     return buildMedium(std::span(&body, 1), fog, unitCube(64));
   }
-  static ViewResult look(const Medium& m, const RadianceVolume& light, const char* device, const ViewOptions& options) {
+  static ViewResult look(const Medium& m, const RadianceVolume& light, const char* device, const ViewOptions& options,
+                         const LitReceivers& receivers = {}) {
     Camera camera;
     camera.position = {.3, -2, .9};
     camera.target = {.5, .5, .5};
@@ -36,7 +38,7 @@ struct ViewParity : testing::TestWithParam<double> {
     camera.resolution = {131, 97};
     RunContext ctx;
     ctx.device = device;
-    return renderView(m, light, camera, {}, {}, options, ctx);
+    return renderView(m, light, camera, {}, {}, options, ctx, {}, receivers);
   }
 };
 
@@ -77,6 +79,49 @@ TEST_P(ViewParity, RunsRepeatToTheBit) {
   const ViewResult a = look(m, volume, "cuda", options), b = look(m, volume, "cuda", options);
   EXPECT_EQ(a.image.planes, b.image.planes);
   EXPECT_EQ(a.samples, b.samples);
+}
+
+// A floor that light falls on, inside the box and beyond it, seen directly, through the glass and in its reflections.
+TEST_P(ViewParity, ReceiversAndReflectionsAgreeWithTheReference) {
+  const Medium m = medium(GetParam());
+  Placement place;
+  place.translate = {.5, .5, .1};
+  place.scale = {3, 3, 1};
+  Receiver floor;
+  floor.placement = affine(place);
+  floor.resolution = 128;
+  const Light light = sun({.2, .1, -1});
+  PhotonOptions photons;
+  photons.fresnel = true;
+  const auto traced = [&](const char* device) {
+    RunContext ctx;
+    ctx.device = device;
+    return tracePhotons(m, std::span(&light, 1), {}, photons, ctx, std::span(&floor, 1));
+  };
+  const PhotonResult gpu = traced("cuda"), cpu = traced("cpu:scalar");
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(gpu.balance.received[c], cpu.balance.received[c], 1e-3 * cpu.balance.received[c]);
+    EXPECT_NEAR(gpu.balance.escaped[c], cpu.balance.escaped[c], 1e-3 * cpu.balance.received[c]);
+  }
+  const ReceiverMap mapA = gpu.receivers.maps().at(0), mapB = cpu.receivers.maps().at(0);
+  const auto total = [](const ReceiverMap& map, const char* channel) {
+    double sum = 0;
+    for (const float v : map.image.planes[map.image.find(channel)]) sum += v;
+    return sum;
+  };
+  for (const char* channel : {"direct.R", "caustic.G"})
+    EXPECT_NEAR(total(mapA, channel), total(mapB, channel), 2e-3 * total(mapB, channel)) << channel;
+
+  ViewOptions options;
+  options.fresnel = true;
+  const ViewResult a = look(m, cpu.radiance, "cuda", options, cpu.receivers),
+                   b = look(m, cpu.radiance, "cpu:scalar", options, cpu.receivers);
+  for (const char* channel : {"R", "G", "B", "receiver.G"}) {
+    const std::vector<float>&p = a.image.planes[a.image.find(channel)], &q = b.image.planes[b.image.find(channel)];
+    double sum = 0, difference = 0;
+    for (std::size_t i = 0; i < q.size(); ++i) sum += std::abs(q[i]), difference += std::abs(p[i] - q[i]);
+    EXPECT_LE(difference, 2e-3 * sum) << channel;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Asymmetry, ViewParity, testing::Values(0.0, .6));

@@ -7,6 +7,7 @@
 #include "support/shared_data.h"
 #include "support/solids.h"
 #include "volcaustic/photons.h"
+#include "volcaustic/view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -175,6 +176,55 @@ TEST(BallLens, ErrorFallsWithTheVoxel) {
   std::printf("  mean |difference| / mean: 64^3 %.4f, 128^3 %.4f, 256^3 %.4f\n", at64, at128, at256);
   EXPECT_LT(at128, .75 * at64);
   EXPECT_LT(at256, .75 * at128);
+}
+
+// What a camera sees of the light below the ball, through fog too thin to dim it: L = scattering/(4 pi) times the
+// fluence along the line of sight, added up from the reference's own voxels.
+TEST(BallLens, TheCameraIntegratesTheReferencesFluence) {
+  const auto path = sharedPath("reference/sphere15_nofresnel_64.npy");
+  VOLCAUSTIC_NEED_SHARED(path);
+  const auto truth = readNpy(path, 64 * 64 * 64);
+  constexpr double kFog = 1e-3;
+  Ambient fog;
+  fog.attenuation = fog.scattering = {kFog, kFog, kFog};
+  Body body;
+  body.mesh = ball(kBall15.centre, .3, 256);
+  body.material.index = 1.5;
+  body.material.attenuation = body.material.scattering = fog.attenuation;
+  const Medium medium = buildMedium(std::span(&body, 1), fog, unitCube(192), sharpest());
+  PhotonOptions photons;
+  photons.grid = {1536, 1536};
+  photons.smooth = false;
+  const Light sun;
+  const RadianceVolume light = tracePhotons(medium, std::span(&sun, 1), {}, photons).radiance;
+  Camera far; // as good as parallel: rays are a voxel of the reference apart from front to back
+  far.position = {.5, -400, .5};
+  far.target = {.5, .5, .5};
+  far.fieldOfView = 2 * std::atan(.5 / 400.5) * 180 / 3.14159265358979;
+  far.resolution = {kReference, kReference};
+  ViewOptions options;
+  options.samples = 3;
+  options.filter = PixelFilter::Box;
+  Background black;
+  black.bottom = black.top = {0, 0, 0};
+  const Image image = renderView(medium, light, far, black, {}, options).image;
+  const auto& red = image.planes[image.find("R")];
+  std::vector<double> errors;
+  double seen = 0, expected = 0;
+  for (int z = 1; z < 18; ++z) // the ball begins at .35
+    for (int x = 4; x < 60; ++x) {
+      double fluence = 0;
+      for (int y = 0; y < kReference; ++y) fluence += truth[(x * kReference + y) * kReference + z] / kReference;
+      const double l = kFog / (4 * 3.14159265358979) * fluence, ours = red[(63 - z) * kReference + x];
+      errors.push_back(std::abs(ours / l - 1));
+      seen += ours;
+      expected += l;
+    }
+  std::sort(errors.begin(), errors.end());
+  std::printf("  camera: median %.2f %%, 90 %% under %.2f %%, all %.4f\n", 100 * errors[errors.size() / 2],
+              100 * errors[errors.size() * 9 / 10], seen / expected);
+  EXPECT_LT(errors[errors.size() / 2], .02);
+  EXPECT_NEAR(seen / expected, 1, .03);
 }
 
 // Paraxial rays cross the axis at the effective focal length n D / (4 (n - 1)) behind the centre.

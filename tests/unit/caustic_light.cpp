@@ -49,8 +49,8 @@ public:
     }
   }
 
-  void emit(const kernels::EmissionFrame&, const kernels::RasterReach&, RowRange, float*) override {}
-  void trace(const kernels::EmissionFrame&, RowRange, const float*) override {}
+  void emit(const kernels::EmissionFrame&, const kernels::RasterReach&, RowRange, const RasterCells&) override {}
+  void trace(const kernels::EmissionFrame&, RowRange, const RasterCells&) override {}
   void finish() override {}
   [[nodiscard]] PhotonTally tally() const override { return {}; }
   [[nodiscard]] std::uint64_t peakBytes() const override { return 0; }

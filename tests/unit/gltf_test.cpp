@@ -247,7 +247,7 @@ TEST_F(Gltf, MaterialsBecomeIndexAndAttenuation) {
   EXPECT_TRUE(warned("KHR_materials_sheen"));
 }
 
-TEST_F(Gltf, PrimitivesOfOtherMaterialsAreObjectsOfTheirOwn) {
+TEST_F(Gltf, PrimitivesOfOtherMaterialsAreObjectsOrReceiversOfTheirOwn) {
   const int positions = mBuilder.accessor(kCorners, "VEC3"), indices = mBuilder.accessor(kFaces, "SCALAR");
   const auto primitive = [&](const std::string& material) {
     return R"({"attributes": {"POSITION": )" + std::to_string(positions) + R"(}, "indices": )" +
@@ -257,17 +257,22 @@ TEST_F(Gltf, PrimitivesOfOtherMaterialsAreObjectsOfTheirOwn) {
       R"({"name": "same", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}})";
   const Scene scene =
       read(mBuilder.glb(R"("nodes": [{"mesh": 0, "name": "a"}], "materials": [)" + glass + ", " + glass +
-                        R"(, {"name": "clay"}], "meshes": [{"primitives": [)" + primitive(R"(, "material": 1)") + ", " +
+                        R"(, {"name": "clay", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1]}}], "meshes": [{"primitives": [)" + primitive(R"(, "material": 1)") + ", " +
                         primitive(R"(, "material": 0)") + ", " + primitive(R"(, "material": 1)") + ", " +
                         primitive(R"(, "material": 2)") + ", " + primitive("") + "]}]"));
-  ASSERT_EQ(scene.objects.size(), 4u);
+  ASSERT_EQ(scene.objects.size(), 2u);
   EXPECT_TRUE(scene.objects[0].meshFile.string().ends_with("x.glb#/meshes/0/primitives/0,2"));
   EXPECT_EQ(meshOf(scene.objects[0]).triangles.size(), 8u);
   EXPECT_TRUE(scene.objects[1].meshFile.string().ends_with("x.glb#/meshes/0/primitives/1"));
   EXPECT_NE(scene.objects[0].material, scene.objects[1].material) << "equal names stay apart";
   EXPECT_TRUE(scene.objects[0].visible && scene.objects[1].visible);
-  EXPECT_FALSE(scene.objects[2].visible || scene.objects[3].visible);
-  EXPECT_TRUE(warned("clay") || warned("not glass"));
+  ASSERT_EQ(scene.receivers.size(), 2u);
+  EXPECT_EQ(scene.receivers[0].albedo, (Rgb{.5, .25, .125}));
+  EXPECT_EQ(scene.receivers[1].albedo, (Rgb{.8, .8, .8})) << "of no material";
+  EXPECT_TRUE(scene.receivers[0].meshFile.string().ends_with("x.glb#/meshes/0/primitives/3"));
+  EXPECT_EQ(scene.receivers[0].name, "a");
+  EXPECT_EQ(scene.receivers[1].name, "a.1");
+  EXPECT_EQ(scene.materials.size(), 2u);
 }
 
 TEST_F(Gltf, LightsAreWatts) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <gtest/gtest.h>
 #include <mutex>
+#include <numeric>
 #include <set>
 #include <thread>
 #include <vector>
@@ -40,21 +41,24 @@ public:
   explicit FakeTracer(Behaviour behaviour) : mBehaviour(behaviour) {}
 
   void emit(const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
-            float* entry) override {
+            const RasterCells& cellsOf) override {
     fail("emit");
     EXPECT_EQ(reach.rows, 8);
     EXPECT_EQ(reach.nearest[7], 0);
     work(rows);
-    for (int i = rows.begin * kColumns; i < rows.end * kColumns; ++i) entry[i] = static_cast<float>(i + frame.depth0);
+    for (int i = rows.begin * kColumns; i < rows.end * kColumns; ++i) {
+      cellsOf.entry[i] = static_cast<float>(i + frame.depth0);
+      if (cellsOf.stops) stopped += cellsOf.stops[i] == static_cast<float>(i) ? 1 : 0;
+    }
     emitted += rows.end - rows.begin;
   }
-  void trace(const kernels::EmissionFrame& frame, RowRange rows, const float* entry) override {
+  void trace(const kernels::EmissionFrame& frame, RowRange rows, const RasterCells& cellsOf) override {
     fail("trace");
     work(rows);
     for (int row = rows.begin; row < rows.end; ++row) {
       traced.insert(row);
       for (int i = row * kColumns; i < (row + 1) * kColumns; ++i, ++cells)
-        EXPECT_EQ(entry[i], static_cast<float>(i + frame.depth0));
+        EXPECT_EQ(cellsOf.entry[i], static_cast<float>(i + frame.depth0));
     }
   }
   void finish() override {
@@ -75,7 +79,7 @@ public:
   [[nodiscard]] std::uint64_t peakBytes() const override { return 100; }
 
   std::multiset<int> traced;
-  std::int64_t cells = 0;
+  std::int64_t cells = 0, stopped = 0; ///< stopped: cells whose first receiver was as it should be, their number
   int emitted = 0;
   bool finished = false;
 
@@ -196,8 +200,10 @@ TEST(FallbackTracer, TheSecondDoesEverythingAgainWhereverTheFirstFails) {
     for (const double depth : {0.0, 1000.0}) { // two lights, whose first bends differ and are gone at the end
       std::vector<float> entry(kRows * kColumns, -1), bounds(8);
       const kernels::RasterReach reach{1, 8, bounds.data(), bounds.data()};
-      tracer->emit(raster(depth), reach, {0, 40}, entry.data());
-      tracer->emit(raster(depth), reach, {40, kRows}, entry.data());
+      std::vector<float> stops(entry.size());
+      std::iota(stops.begin(), stops.end(), 0.f);
+      tracer->emit(raster(depth), reach, {0, 40}, {entry.data(), stops.data()});
+      tracer->emit(raster(depth), reach, {40, kRows}, {entry.data(), stops.data()});
       EXPECT_EQ(entry.back(), static_cast<float>(kRows * kColumns - 1 + depth));
       tracer->trace(raster(depth), {0, kRows}, entry.data());
     }
@@ -205,6 +211,7 @@ TEST(FallbackTracer, TheSecondDoesEverythingAgainWhereverTheFirstFails) {
     ASSERT_EQ(errors.size(), 1u);
     EXPECT_EQ(second->cells, 2 * kRows * kColumns);
     EXPECT_EQ(second->emitted, 2 * kRows);
+    EXPECT_EQ(second->stopped, 2 * kRows * kColumns);
     EXPECT_EQ(sumOf(*tracer, 0), 2 * kRows * kColumns);
     EXPECT_TRUE(second->finished);
   }

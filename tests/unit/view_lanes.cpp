@@ -199,7 +199,7 @@ TEST_P(ViewLanes, CountRaysThatLeaveTheFiniteNumbers) {
     flat.fields[i].gx = std::numeric_limits<float>::quiet_NaN();
   const RadianceBricks light(kBox.dims);
   const ViewTables tables(flat.view(), light.caustic.view(), light.direct.view(), laneSet(GetParam()), {});
-  kernels::ViewScene scene{flat.view(), tables.light(), tables.plan(), {}, {}, {}};
+  kernels::ViewScene scene{flat.view(), tables.light(), tables.plan(), {}, {}, {}, {}};
   scene.camera = {{18, -40, 20}, {-.5, 1, .5}, {1, 0, 0}, {0, 0, -1}, 41, 39};
   std::vector<float> numbers(std::size_t{kernels::kPixelPlanes} * 41 * 39);
   kernels::PixelPlanes planes;

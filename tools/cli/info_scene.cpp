@@ -37,12 +37,28 @@ std::string groupsText(const SceneObject& o) {
   return text.empty() ? "-" : plain(text);
 }
 
+/// What the grids of a volume are: "attenuation: density".
+std::string gridsText(const SceneObject& o) {
+  std::string text;
+  for (const PropertyGrid& p : o.grids)
+    text += (text.empty() ? "" : ", ") + std::string(enumNames(p.property)[static_cast<std::size_t>(p.property)]) +
+            ": " + p.mapping.grid;
+  return plain(text);
+}
+
 void printObjects(const Scene& scene) {
-  TextTable objects(
-      {{"object", Left}, {"mesh", Left}, {"material", Left}, {"priority"}, {"visible", Left}, {"groups", Left}});
-  for (const SceneObject& o : scene.objects)
-    objects.add({plain(o.name), plain(o.meshFile.string(), 80), plain(o.material), fmt::format("{}", o.priority),
-                 o.visible ? "yes" : "no", groupsText(o)});
+  TextTable objects({{"object", Left},
+                     {"mesh or volume", Left},
+                     {"material", Left},
+                     {"priority"},
+                     {"visible", Left},
+                     {"groups", Left}});
+  for (const SceneObject& o : scene.objects) {
+    const bool isVolume = !o.volumeFile.empty();
+    objects.add({plain(o.name), plain((isVolume ? o.volumeFile : o.meshFile).string(), 80),
+                 isVolume ? gridsText(o) : plain(o.material), fmt::format("{}", o.priority), o.visible ? "yes" : "no",
+                 groupsText(o)});
+  }
   if (!scene.objects.empty()) fmt::print("{}", objects.text("  "));
   TextTable materials(
       {{"material", Left}, {"index"}, {"attenuation [1/world]"}, {"scattering [1/world]"}, {"asymmetry"}});
@@ -56,11 +72,23 @@ void printLights(const std::vector<Light>& lights) {
   if (lights.empty()) return;
   TextTable table({{"light", Left}, {"type", Left}, {"direction or position", Left}, {"RGB"}, {"unit", Left}});
   for (const Light& l : lights) {
-    const bool directional = l.type == LightType::Directional;
-    table.add({plain(l.name), enumNames(l.type)[static_cast<std::size_t>(l.type)],
-               triple(directional ? l.direction : l.position), triple(directional ? l.irradiance : l.intensity),
-               directional ? "W/m2" : "W/sr"});
+    const std::string name = plain(l.name), type = enumNames(l.type)[static_cast<std::size_t>(l.type)];
+    if (l.type == LightType::Environment)
+      table.add({name, type, "all", triple(l.scale), "background"});
+    else if (l.type == LightType::Directional)
+      table.add({name, type, triple(l.direction), triple(l.irradiance), "W/m2"});
+    else
+      table.add({name, type, triple(l.position), triple(l.intensity), "W/sr"});
   }
+  fmt::print("{}", table.text("  "));
+}
+
+void printReceivers(const std::vector<SceneReceiver>& receivers) {
+  if (receivers.empty()) return;
+  TextTable table({{"receiver", Left}, {"mesh", Left}, {"at"}, {"albedo"}, {"map [texels]"}});
+  for (const SceneReceiver& r : receivers)
+    table.add({plain(r.name), r.meshFile.empty() ? "square" : plain(r.meshFile.string(), 80),
+               triple(r.placement.translate), triple(r.albedo), fmt::format("{}", r.resolution)});
   fmt::print("{}", table.text("  "));
 }
 
@@ -75,6 +103,7 @@ Json sceneInfo(const std::string& path, Job& job) {
     printVolume(scene.volume);
     printObjects(scene);
     printLights(scene.lights);
+    printReceivers(scene.receivers);
     fmt::print("  photons   {} x {} for each light, {}\n", scene.photons.grid[0], scene.photons.grid[1],
                enumNames(scene.photons.scheme)[static_cast<std::size_t>(scene.photons.scheme)]);
     fmt::print("  picture   {} x {} pixels, {:g} degrees high, {} rays a pixel\n", scene.camera.resolution[0],

@@ -26,6 +26,7 @@ struct SceneRun {
   SceneFlags flags;
   std::string frames;
   bool resume = false;
+  std::string lightMaps;
 };
 
 void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
@@ -34,6 +35,9 @@ void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
   addSceneFlags(command, o.flags, true);
   command.add_option("--frames", o.frames, "A-B[xS]: one file a frame, its number in the place of #### or %04d in OUT");
   command.add_flag("--resume", o.resume, "skip frames whose files are there");
+  command.add_option("--light-maps", o.lightMaps,
+                     "folder for the irradiance on each receiver as RECEIVER.exr (RECEIVER.0001.exr with --frames); of a "
+                     "mesh with an .obj that has the texture coordinates");
 }
 
 /// Calls body(frame, outputs of it) for each frame that is wanted. Without --frames the one frame is the first.
@@ -124,6 +128,31 @@ void addPhotons(Job& job, const Session& session, const PhotonResult& photons, J
   for (const PassPart& part : photons.parts) result["photonParts"][part.name] = part.ms;
   result["counts"] = photonCounts(balance);
   result["energyBalance"] = energyReport(balance);
+  for (const PhotonResult& light : photons.lights) result["lights"][light.light] = energyReport(light.balance);
+}
+
+/// Said before the photons are sent.
+void checkLightMaps(const SceneRun& o, const Session& session) {
+  if (!o.lightMaps.empty() && session.scene().receivers.empty())
+    throw Error(ErrorKind::Usage, "--light-maps: the scene has no receivers; add one to /receivers");
+}
+
+void writeLightMaps(Job& job, const SceneRun& o, int frame, const PhotonResult& photons,
+                    const std::map<std::string, std::string>& metadata) {
+  if (o.lightMaps.empty()) return;
+  std::error_code failed;
+  std::filesystem::create_directories(o.lightMaps, failed);
+  if (failed)
+    throw Error(ErrorKind::File, o.lightMaps + ": cannot be made: " + failed.message() + "; choose another folder");
+  for (ReceiverMap& map : photons.receivers.maps()) {
+    const std::string file = (std::filesystem::path(o.lightMaps) / (map.name + ".exr")).string();
+    const std::string output = o.frames.empty() ? file : withFrame(framePattern(file), frame);
+    map.image.metadata.insert(metadata.begin(), metadata.end());
+    ImageWriteOptions write;
+    write.half = false;
+    job.timed("write", [&] { writeReceiverMap(output, map, write, job.context()); });
+    job.console().say(output + ": written");
+  }
 }
 
 std::map<std::string, std::string> fileMetadata(const Job& job, const Json& result, int frame) {
@@ -152,13 +181,15 @@ int runTrace(const Trace& o) {
   FrameSession frames(job, o.run);
   forEachFrame(job, o.run, FileKind::Volume, [&](int frame, const std::vector<std::string>& outputs, Json& result) {
     Session& session = frames.at(frame, result);
+    checkLightMaps(o.run, session);
     const PhotonResult& photons = session.photons();
     frames.reportStages();
     addPhotons(job, session, photons, result);
     VdbWriteOptions write = o.write;
     write.metadata = fileMetadata(job, result, frame);
-    job.timed("write", [&] { writeVdb(outputs.front(), photons.radiance, session.medium(), write, job.context()); });
+    job.timed("write", [&] { writeVdb(outputs.front(), photons, session.medium(), write, job.context()); });
     if (outputs.front() != "-") job.console().say(outputs.front() + ": written");
+    writeLightMaps(job, o.run, frame, photons, write.metadata);
   });
   job.finish();
   return 0;
@@ -207,6 +238,8 @@ void writePictures(Job& job, const Render& o, const ViewResult& view, const Sess
 int runRender(const Render& o) {
   Job job("render", o.common);
   if (o.radiance.empty()) job.tracesPhotons();
+  if (!o.radiance.empty() && !o.run.lightMaps.empty())
+    throw Error(ErrorKind::Usage, "--light-maps: nothing lands on receivers with --radiance; leave one of them out");
   FrameSession frames(job, o.run);
   if (!o.radiance.empty()) job.addInput(o.radiance);
   forEachFrame(job, o.run, FileKind::Image, [&](int frame, const std::vector<std::string>& outputs, Json& result) {
@@ -216,8 +249,11 @@ int runRender(const Render& o) {
         const std::string file = o.run.frames.empty() ? o.radiance : withFrame(o.radiance, frame);
         return readRadiance(file, session.medium().domain(), job.context());
       }));
-    else
-      addPhotons(job, session, session.photons(), result);
+    // What cannot be written or read is known before the photons are sent.
+    checkLightMaps(o.run, session);
+    for (const std::string& output : outputs) checkLayers(output, session.viewChannels(), o.write.layers);
+    session.background();
+    if (o.radiance.empty()) addPhotons(job, session, session.photons(), result);
     const ViewResult& view = session.view();
     frames.reportStages();
     result["counts"].update(
@@ -226,6 +262,7 @@ int runRender(const Render& o) {
       job.context().warn(fmt::format("{} rays were cut off after {} steps; raise view.maxSteps", view.raysAtStepLimit,
                                      session.scene().view.maxSteps));
     writePictures(job, o, view, session, outputs, fileMetadata(job, result, frame));
+    if (o.radiance.empty()) writeLightMaps(job, o.run, frame, session.photons(), fileMetadata(job, result, frame));
   });
   job.finish();
   return 0;

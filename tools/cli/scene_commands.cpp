@@ -45,8 +45,11 @@ void checkFiles(const Scene& scene, const std::string& name) {
                   name + ":" + pointer + ": no such file: " + file.string() + "; paths start at the scene file");
   };
   check(scene.volume.file, "/volume/file");
-  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+  check(scene.background.file, "/background/file");
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     check(scene.objects[i].meshFile, fmt::format("/objects/{}/mesh", i));
+    check(scene.objects[i].volumeFile, fmt::format("/objects/{}/volume", i));
+  }
 }
 
 struct SceneCheck {

@@ -28,6 +28,7 @@ struct FieldDoc {
   double max = std::numeric_limits<double>::infinity();
   std::span<const int> choices = {}; ///< when not empty, the only values allowed
   bool required = false;             ///< has no sensible default: a file must give it
+  bool alternative = false;          ///< of the fields of a struct that are, a file must give one
 };
 
 /// A box that may be left to be found: "auto" or {"min": [x, y, z], "max": [x, y, z]} in JSON.
@@ -41,8 +42,11 @@ constexpr std::array<const char*, 2> enumNames(Scheme) { return {"driftKickDrift
 constexpr std::array<const char*, 2> enumNames(Lookup) { return {"trilinear", "nearest"}; }
 constexpr std::array<const char*, 4> enumNames(PixelFilter) { return {"box", "tent", "gaussian", "blackmanHarris"}; }
 constexpr std::array<const char*, 5> enumNames(ExrCompression) { return {"none", "zips", "zip", "piz", "dwaa"}; }
+constexpr std::array<const char*, 4> enumNames(OpticalProperty) {
+  return {"index", "attenuation", "scattering", "asymmetry"};
+}
 constexpr std::array<const char*, 2> enumNames(ToneCurve) { return {"plain", "aces"}; }
-constexpr std::array<const char*, 3> enumNames(LightType) { return {"directional", "point", "spot"}; }
+constexpr std::array<const char*, 4> enumNames(LightType) { return {"directional", "point", "spot", "environment"}; }
 
 inline constexpr std::array<int, 4> kSupersampleChoices{1, 2, 4, 8};
 inline constexpr std::array<int, 6> kBlurChoices{1, 3, 5, 7, 9, 11};
@@ -91,8 +95,10 @@ void describe(Visitor&& visit, StepFieldOptions& o) {
 
 template <class Visitor>
 void describe(Visitor&& visit, Light& l) {
-  visit("name", l.name, FieldDoc{"for messages"});
-  visit("type", l.type, FieldDoc{"directional light, point light, or a spot: a point light that shines into a cone"});
+  visit("name", l.name, FieldDoc{"for messages, and of its layers and grids where lights are separate"});
+  visit("type", l.type,
+        FieldDoc{"directional light, point light, a spot: a point light that shines into a cone, or the environment: "
+                 "`background` from all directions"});
   visit("direction", l.direction,
         FieldDoc{"propagation of a directional light, axis of a spot; any length", "1", -kHuge, kHuge});
   visit("irradiance", l.irradiance, FieldDoc{"of a directional light, on a plane facing it, RGB", "W/m2", 0, 1e30});
@@ -107,9 +113,11 @@ void describe(Visitor&& visit, Light& l) {
                  0, 90});
   visit("radius", l.radius,
         FieldDoc{"of the ball that a point light or a spot is; 0 gives sharp shadows", "world", 0, kHuge});
+  visit("scale", l.scale, FieldDoc{"multiplies the light of the environment, RGB", "1", 0, 1e30});
   visit("samples", l.samples,
-        FieldDoc{"sharp lights that stand for one with an angle or a radius; they share its photons", "lights", 1,
-                 kMostLightSamples});
+        FieldDoc{"sharp lights that stand for one with an angle or a radius, or for the environment; they share its "
+                 "photons; 0 takes 16, of the environment 64",
+                 "lights", 0, kMostLightSamples});
 }
 
 template <class Visitor>
@@ -124,6 +132,11 @@ void describe(Visitor&& visit, PhotonOptions& o) {
   visit("roulette", o.roulette, FieldDoc{"Russian roulette below the cutoff instead of dropping"});
   visit("jitter", o.jitter, FieldDoc{"move each photon inside its raster cell, by a hash of seed and cell"});
   visit("smooth", o.smooth, FieldDoc{"3x3x3 Gaussian on the finished volume; keeps its total"});
+  visit("separate", o.separate,
+        FieldDoc{"trace and view each light by itself: a grid and layers of each, beside those of all"});
+  visit("fresnel", o.fresnel,
+        FieldDoc{"reflect photons, too, where the index changes within a few voxels, by the chance that Fresnel's "
+                 "equations give"});
 }
 
 template <class Visitor>
@@ -138,7 +151,15 @@ void describe(Visitor&& visit, Camera& c) {
 template <class Visitor>
 void describe(Visitor&& visit, Background& b) {
   visit("bottom", b.bottom, FieldDoc{"radiance seen looking down, RGB", "W/(m2 sr)", 0, 1e30});
-  visit("top", b.top, FieldDoc{"radiance seen looking up, RGB", "W/(m2 sr)", 0, 1e30});
+  visit("top", b.top,
+        FieldDoc{"radiance seen looking up, RGB; equal to bottom it is one colour", "W/(m2 sr)", 0, 1e30});
+  visit("up", b.up, FieldDoc{"axis of the gradient, pole of the map; any length", "1", -kHuge, kHuge});
+  visit("file", b.file,
+        FieldDoc{
+            "map in latitude and longitude (.hdr, .exr, ...) that takes the gradient's place; relative to this file"});
+  visit("turn", b.turn, FieldDoc{"of the map about `up`, counterclockwise seen from there", "degrees", -kHuge, kHuge});
+  visit("scale", b.scale, FieldDoc{"multiplies the map, RGB", "1", 0, 1e30});
+  visit("visible", b.visible, FieldDoc{"false: the camera sees black; environment lights shine as before"});
 }
 
 template <class Visitor>
@@ -150,6 +171,8 @@ void describe(Visitor&& visit, ViewOptions& o) {
         FieldDoc{"standard error, relative to their mean, at which tiles of the picture are done; 0 takes all samples",
                  "1", 0, 1});
   visit("maxSteps", o.maxSteps, FieldDoc{"steps after which a ray is cut off and counted", "", 1, kHuge});
+  visit("fresnel", o.fresnel,
+        FieldDoc{"split rays where the index changes within a few voxels: reflections of background and light"});
   visit("exposure", o.exposure, FieldDoc{"brightness of tone-mapped files", "stops", -40, 40});
 }
 
@@ -186,17 +209,47 @@ void describe(Visitor&& visit, SceneGroup& g) {
 }
 
 template <class Visitor>
+void describe(Visitor&& visit, GridMapping& m) {
+  visit("scale", m.scale, FieldDoc{"what one unit of the grid is, RGB", "", -1e30, 1e30});
+  visit("offset", m.offset, FieldDoc{"value where the grid is 0, RGB", "", -1e30, 1e30});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, PropertyGrid& p) {
+  visit("name", p.mapping.grid, FieldDoc{.text = "name of a grid in the file, as `density`", .required = true});
+  visit("property", p.property, FieldDoc{.text = "what offset + scale * grid is", .required = true});
+  describe(visit, p.mapping);
+}
+
+template <class Visitor>
 void describe(Visitor&& visit, SceneObject& o) {
   visit("name", o.name, FieldDoc{"for messages"});
   visit(
       "mesh", o.meshFile,
       FieldDoc{.text = "OBJ, PLY, STL or OFF file, or a mesh of a glTF file as x.glb#/meshes/0; relative to this file",
-               .required = true});
+               .alternative = true});
   describe(visit, o.placement);
   visit("material", o.material, FieldDoc{"a name in `materials`"});
   visit("priority", o.priority, FieldDoc{"where objects overlap the higher one wins", "", -1e6, 1e6});
   visit("visible", o.visible, FieldDoc{"false leaves the object out"});
   visit("groups", o.groups, FieldDoc{"groups of the mesh that are made of another material: the wine of a glass"});
+  visit("volume", o.volumeFile,
+        FieldDoc{.text = ".vdb or .nvdb file in place of a mesh: smoke, hot air; relative to this file",
+                 .alternative = true});
+  visit("grids", o.grids, FieldDoc{"what grids of the volume are in the medium"});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, SceneReceiver& r) {
+  visit("name", r.name, FieldDoc{"of its light map; receiver0, receiver1, ... where empty"});
+  visit("mesh", r.meshFile,
+        FieldDoc{"a mesh, as of objects, whose outside collects light; empty: a square of edge 1 around the origin that "
+                 "faces +z"});
+  describe(visit, r.placement);
+  visit("albedo", r.albedo, FieldDoc{"part of the light that it sends back, RGB", "1", 0, 1});
+  visit("resolution", r.resolution,
+        FieldDoc{"of its light map along the longer side; of the square map of a mesh", "texels", 8, 16384});
+  visit("visible", r.visible, FieldDoc{"to the camera; one that is not still collects light and casts shadows"});
 }
 
 template <class Visitor>
@@ -207,12 +260,6 @@ void describe(Visitor&& visit, SurfaceOptions& o) {
   visit("isovalue", o.isovalue, FieldDoc{"value on the surface", "", -1e30, 1e30});
   visit("adaptivity", o.adaptivity, FieldDoc{"0 keeps every polygon, 1 merges flat regions the most", "1", 0, 1});
   visit("sharpen", o.sharpen, FieldDoc{"keep corners, edges and what is thinner than a voxel (coverage at 0.5)"});
-}
-
-template <class Visitor>
-void describe(Visitor&& visit, GridMapping& m) {
-  visit("scale", m.scale, FieldDoc{"what one unit of the grid is, RGB", "", -1e30, 1e30});
-  visit("offset", m.offset, FieldDoc{"value where the grid is 0, RGB", "", -1e30, 1e30});
 }
 
 template <class Visitor>

@@ -4,6 +4,7 @@
 
 #include "volcaustic/export.h"
 #include "volcaustic/medium.h"
+#include "volcaustic/medium_volume.h"
 #include "volcaustic/photons.h"
 #include "volcaustic/run_context.h"
 #include "volcaustic/types.h"
@@ -45,6 +46,7 @@ struct SceneGroup {
   int priority = 0;               ///< added to the object's
 };
 
+/// A body, or a volume made by others in the ambient medium.
 struct SceneObject {
   std::string name;
   std::filesystem::path meshFile;   ///< mesh to read, or one of a glTF file: "x.glb#/meshes/0"; or
@@ -54,6 +56,19 @@ struct SceneObject {
   int priority = 0;
   bool visible = true;
   std::vector<SceneGroup> groups; ///< `material` is for all groups that are not listed
+  std::filesystem::path volumeFile; ///< .vdb or .nvdb in place of a mesh; material and priority have no meaning then
+  std::vector<PropertyGrid> grids;  ///< what the volume's grids are
+};
+
+/// An opaque diffuse surface that light falls on: a floor, a wall, a statue (Receiver in receivers.h).
+struct SceneReceiver {
+  std::string name;
+  std::filesystem::path meshFile;   ///< as SceneObject::meshFile; empty: a square of edge 1 around the origin, facing +z
+  std::shared_ptr<const Mesh> mesh; ///< a mesh in memory, which wins over meshFile
+  Placement placement;
+  Rgb albedo{0.8, 0.8, 0.8};
+  int resolution = 512;
+  bool visible = true; ///< to the camera
 };
 
 struct Scene {
@@ -61,6 +76,7 @@ struct Scene {
   std::vector<Material> materials{Material{}};
   std::vector<SceneObject> objects;
   std::vector<Light> lights;
+  std::vector<SceneReceiver> receivers;
   VoxeliseOptions voxelise;
   StepFieldOptions stepField;
   PhotonOptions photons;

@@ -2,6 +2,7 @@
 /// The camera pass: curved rays through the medium, gathering the light that the photons left.
 #pragma once
 
+#include "volcaustic/background.h"
 #include "volcaustic/export.h"
 #include "volcaustic/image.h"
 #include "volcaustic/medium.h"
@@ -28,12 +29,6 @@ struct Camera {
 /// numbers by rows; points are rows, x right, y up, z forward), `screenWindowWidth` (at distance 1).
 VOLCAUSTIC_API std::map<std::string, std::string> cameraMetadata(const Camera& camera);
 
-/// What a ray meets when it leaves the domain: a vertical gradient, W/(m2 sr).
-struct Background {
-  Rgb bottom{0.02, 0.02, 0.03}; ///< looking straight down
-  Rgb top{0.10, 0.12, 0.16};    ///< looking straight up
-};
-
 /// What weighs the samples of a pixel; each reaches as far from its centre as it says.
 enum class PixelFilter {
   Box,            ///< 0.5 pixels: the pixel's own square
@@ -50,11 +45,12 @@ struct ViewOptions {
   /// luminance; 0 takes all samples everywhere.
   double noise = 0;
   int maxSteps = 20000;
+  bool fresnel = false; ///< split rays where the index changes within a few voxels, as PhotonOptions::fresnel
   double exposure = 0; ///< stops, for tone-mapped files
 };
 
 struct ViewResult {
-  Image image; ///< R G B A, caustic.*, direct.*, background.*, transmittance.*, depth.Z, steps.Y
+  Image image; ///< R G B A, caustic.*, direct.*, background.*, receiver.*, transmittance.*, depth.Z, steps.Y
   std::int64_t steps = 0;
   std::int64_t raysNotFinite = 0;
   std::int64_t raysAtStepLimit = 0;
@@ -68,11 +64,11 @@ using ViewObserver = std::function<void(const ViewResult& soFar)>;
 
 /// Renders what the camera sees: single scattering of the radiance volume (Henyey-Greenstein with asymmetry g|d| about
 /// the mean direction d) along rays bent by the medium, over the background. Along a ray L/n^2 is what stays constant,
-/// so light scattered at index n reaches a camera at index n_c multiplied by (n_c/n)^2. \throws Error(Usage) for a
-/// camera or options out of range, Error(Cancelled).
+/// so light scattered at index n reaches a camera at index n_c multiplied by (n_c/n)^2. A background's map must be read
+/// already (readEnvironment). \throws Error(Usage) for a camera, background or options out of range, Error(Cancelled).
 VOLCAUSTIC_API ViewResult renderView(const Medium& medium, const RadianceVolume& radiance, const Camera& camera,
                                      const Background& background = {}, const StepFieldOptions& stepField = {},
                                      const ViewOptions& options = {}, const RunContext& ctx = {},
-                                     const ViewObserver& observer = {});
+                                     const ViewObserver& observer = {}, const LitReceivers& receivers = {});
 
 } // namespace volcaustic
