@@ -146,6 +146,7 @@ Json buildSchema() {
   scene.objects.front().groups.resize(1);
   scene.objects.front().grids.resize(1);
   scene.lights.resize(1);
+  scene.receivers.resize(1);
   const Json defaults = sceneDocument(scene);
   SceneSchema sections(defaults);
   sections.properties["$schema"] = {{"description", "address of this schema, for editors"}, {"type", "string"}};

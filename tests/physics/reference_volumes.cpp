@@ -191,7 +191,7 @@ TEST(BallLens, TheCameraIntegratesTheReferencesFluence) {
   body.mesh = ball(kBall15.centre, .3, 256);
   body.material.index = 1.5;
   body.material.attenuation = body.material.scattering = fog.attenuation;
-  const Medium medium = buildMedium(std::span(&body, 1), fog, unitCube(192), sharpest());
+  const Medium medium = buildMedium(std::span(&body, 1), fog, unitCube(256), sharpest());
   PhotonOptions photons;
   photons.grid = {1536, 1536};
   photons.smooth = false;
