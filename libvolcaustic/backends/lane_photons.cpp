@@ -225,7 +225,7 @@ struct Flight {
   alignas(64) float fromX[kPhotons], fromY[kPhotons], fromZ[kPhotons];
   alignas(64) float power[3][kPhotons], scattered[3][kPhotons], threshold[kPhotons];
   alignas(64) std::int32_t steps[kPhotons], optics[kPhotons], alive[kPhotons];
-  alignas(64) float crossing[kernels::kSurfaceCrossingNumbers][kPhotons], scatteredBefore[3][kPhotons]; ///< where photons may be reflected
+  alignas(64) float mirrors[kernels::kPhotonMirrorNumbers][kPhotons]; ///< held where photons may be reflected
   kernels::Float3 first[kPhotons];
   kernels::Double3 gained[kPhotons];
   std::uint32_t cell[kPhotons];
@@ -256,21 +256,25 @@ struct Flight {
             {fromX[i], fromY[i], fromZ[i]},
             optics[i]};
   }
-  // What follows a photon through surfaces that reflect; nobody else pays for it.
-  void getCrossing(int at, kernels::PhotonOf<Float>& p) {
+  [[nodiscard]] kernels::PhotonMirror<Float> mirrorsAt(int at) const {
+    kernels::PhotonMirror<Float> m;
     int k = 0;
-    p.crossing.forEach([&](Float& v) __attribute__((always_inline)) { v = load(crossing[k++] + at); });
-    p.scatteredBefore = load3(scatteredBefore[0] + at, scatteredBefore[1] + at, scatteredBefore[2] + at);
+    m.forEach([&](Float& v) __attribute__((always_inline)) { v = load(mirrors[k++] + at); });
+    return m;
   }
-  void putCrossing(int at, kernels::PhotonOf<Float>& p) {
+  void putMirrors(int at, kernels::PhotonMirror<Float>& m) {
     int k = 0;
-    p.crossing.forEach([&](Float& v) __attribute__((always_inline)) { store(v, crossing[k++] + at); });
-    store(p.scatteredBefore.x, scatteredBefore[0] + at), store(p.scatteredBefore.y, scatteredBefore[1] + at);
-    store(p.scatteredBefore.z, scatteredBefore[2] + at);
+    m.forEach([&](Float& v) __attribute__((always_inline)) { store(v, mirrors[k++] + at); });
   }
-  void setCrossing(int i, kernels::SurfaceCrossing<float> c) {
+  [[nodiscard]] kernels::PhotonMirror<float> mirror(int i) const {
+    kernels::PhotonMirror<float> m;
     int k = 0;
-    c.forEach([&](float& v) { crossing[k++][i] = v; });
+    m.forEach([&](float& v) { v = mirrors[k++][i]; });
+    return m;
+  }
+  void setMirror(int i, kernels::PhotonMirror<float> m) {
+    int k = 0;
+    m.forEach([&](float& v) { mirrors[k++][i] = v; });
   }
   void set(int i, const kernels::Photon& p) {
     x[i] = p.ray.x.x, y[i] = p.ray.x.y, z[i] = p.ray.x.z;
@@ -283,8 +287,7 @@ struct Flight {
   void move(int i, int to) {
     set(to, photon(i));
     first[to] = first[i], gained[to] = gained[i], cell[to] = cell[i], alive[to] = alive[i];
-    for (auto& numbers : crossing) numbers[to] = numbers[i];
-    for (auto& numbers : scatteredBefore) numbers[to] = numbers[i];
+    for (auto& numbers : mirrors) numbers[to] = numbers[i];
     alive[i] = 0;
   }
 };
@@ -300,7 +303,7 @@ public:
     for (int i = 0; i < kPhotons; ++i) {
       // Lanes that never held a photon must hold something finite.
       mFlight.set(i, {{{0, 0, 0}, {1, 0, 0}}, {0, 0, 0}, {0, 0, 0}, 0, 0, {0, 0, 0}, 0});
-      mFlight.setCrossing(i, {});
+      mFlight.setMirror(i, {});
       launch(i);
     }
     while (mAlive > 0) {
@@ -330,7 +333,7 @@ private:
     const std::uint32_t cell = mTask.cells[mNext++];
     const kernels::Photon p = kernels::startPhoton(mTask.medium, mTask.frame, mTask.rules, cell, mTask.entry[cell]);
     mFlight.set(i, p);
-    mFlight.setCrossing(i, p.crossing);
+    mFlight.setMirror(i, {});
     mFlight.first[i] = p.power;
     mFlight.gained[i] = kernels::Double3(0, 0, 0);
     mFlight.cell[i] = cell;
@@ -342,17 +345,27 @@ private:
     const Mask alive = load(mFlight.alive + at) != Int(0);
     if (!any(alive)) return;
     kernels::PhotonOf<Float> p = mFlight.get(at);
-    if (mTask.rules.fresnel) mFlight.getCrossing(at, p);
-    const kernels::StepOutcome<Float> outcome =
-        kernels::stepPhoton(mTask.medium, mTask.rules, p, alive,
-                            [&](const ChordOf<Float>& chord, const Mask& on) { mRasteriser.add(chord, on); });
-    mFlight.put(at, p);
-    if (mTask.rules.fresnel) {
-      mFlight.putCrossing(at, p);
-      const Mask reflects = both(alive, outcome.reflection.on);
-      if (any(reflects)) [[unlikely]]
-        reflectSome(at, outcome.reflection, reflects);
+    const auto advance = [&](kernels::PhotonMirror<Float>* mirror) __attribute__((always_inline)) {
+      return kernels::stepPhoton(mTask.medium, mTask.rules, p, mirror, alive,
+                                 [&](const ChordOf<Float>& chord, const Mask& on) { mRasteriser.add(chord, on); });
+    };
+    if (!mTask.rules.fresnel) {
+      const kernels::StepOutcome<Float> outcome = advance(nullptr);
+      mFlight.put(at, p);
+      endThose(at, outcome, alive);
+      return;
     }
+    kernels::PhotonMirror<Float> mirror = mFlight.mirrorsAt(at);
+    const kernels::StepOutcome<Float> outcome = advance(&mirror);
+    mFlight.put(at, p);
+    mFlight.putMirrors(at, mirror);
+    const Mask reflects = both(alive, outcome.reflection.on);
+    if (any(reflects)) [[unlikely]]
+      reflectSome(at, outcome.reflection, reflects);
+    endThose(at, outcome, alive);
+  }
+
+  VOLCAUSTIC_HD void endThose(int at, const kernels::StepOutcome<Float>& outcome, const Mask& alive) {
     const Mask ends = both(alive, either(either(either(outcome.leaves, outcome.lands), outcome.notFinite),
                                          either(outcome.fades, outcome.limit)));
     if (any(ends)) [[unlikely]]
@@ -377,10 +390,10 @@ private:
       const auto n = [&](int k) { return numbers[k][lane]; };
       const kernels::Reflection<float> r{true, n(0), {{n(2), n(3), n(4)}, {n(5), n(6), n(7)}}, n(1), {n(8), n(9), n(10)}};
       kernels::Photon p = mFlight.photon(i);
-      p.scatteredBefore = {mFlight.scatteredBefore[0][i], mFlight.scatteredBefore[1][i], mFlight.scatteredBefore[2][i]};
-      if (!kernels::reflectByChance(mTask.medium, mTask.rules, mFlight.cell[i], r, p)) continue;
+      kernels::PhotonMirror<float> mirror = mFlight.mirror(i);
+      if (!kernels::reflectByChance(mTask.medium, mTask.rules, mFlight.cell[i], r, p, mirror)) continue;
       mFlight.set(i, p);
-      mFlight.setCrossing(i, p.crossing);
+      mFlight.setMirror(i, mirror);
     }
   }
 

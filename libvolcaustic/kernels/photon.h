@@ -43,10 +43,22 @@ struct PhotonOf {
   IntOf<F> steps;
   Vec3<F> from;    ///< where its last deposit ended: from there on it has gone straight, through one kind of matter
   IntOf<F> optics; ///< that matter's entry in FlatMedium::optics
-  SurfaceCrossing<F> crossing{};
-  Vec3<F> scatteredBefore{F(0), F(0), F(0)}; ///< `scattered` where the crossing began
 };
 using Photon = PhotonOf<float>;
+
+/// What follows a photon through surfaces that reflect.
+template <class F>
+struct PhotonMirror {
+  SurfaceCrossing<F> crossing;
+  Vec3<F> scatteredBefore{F(0), F(0), F(0)}; ///< PhotonOf::scattered where the crossing began
+
+  template <class Visit>
+  VOLCAUSTIC_HD void forEach(const Visit& visit) {
+    crossing.forEach(visit);
+    visit(scatteredBefore.x), visit(scatteredBefore.y), visit(scatteredBefore.z);
+  }
+};
+inline constexpr int kPhotonMirrorNumbers = kSurfaceCrossingNumbers + 3;
 
 /// A straight piece of a photon's way. At the distance s from its start the photon has the power
 /// power + slope (s - length/2): what exp(-attenuation s) is to second order, and in total exactly.
@@ -150,10 +162,11 @@ VOLCAUSTIC_HD inline void landOnStep(const ReceiverScene& receivers, const Vec3<
 }
 
 /// One step of a photon: advance, and deposit where its way is no longer straight or ends. `active` lanes count; the
-/// others must hold a finite photon.
+/// others must hold a finite photon. `mirror` is null where nothing reflects.
 template <class F, class Deposit>
 VOLCAUSTIC_HD inline StepOutcome<F> stepPhoton(const FlatMedium& m, const PhotonRules& rules, PhotonOf<F>& photon,
-                                               const MaskOf<F>& active, const Deposit& deposit) {
+                                               PhotonMirror<F>* mirror, const MaskOf<F>& active,
+                                               const Deposit& deposit) {
   using M = MaskOf<F>;
   const RayOf<F> old = photon.ray;
   const Vec3<IntOf<F>> voxel = m.voxelOf(old.x);
@@ -191,13 +204,14 @@ VOLCAUSTIC_HD inline StepOutcome<F> stepPhoton(const FlatMedium& m, const Photon
   if (any(ends)) depositWay(m, photon, photon.ray.x, ends, deposit);
   outcome.fades = luminance(photon.power) < photon.threshold;
   outcome.reflection.on = outcome.lands;
-  if (rules.fresnel) {
+  if (mirror) {
+    SurfaceCrossing<F>& crossing = mirror->crossing;
     const M watched = both(both(active, finite), negate(either(outcome.lands, outcome.leaves)));
-    const F began = photon.crossing.rise;
-    outcome.reflection = watchStep(photon.crossing, old, photon.ray, step.ds, before, watched);
-    photon.scatteredBefore = select<F>(photon.crossing.rise == began, photon.scatteredBefore, scatteredBefore);
+    const F began = crossing.rise;
+    outcome.reflection = watchStep(crossing, old, photon.ray, step.ds, before, watched);
+    mirror->scatteredBefore = select<F>(crossing.rise == began, mirror->scatteredBefore, scatteredBefore);
     // The light that a surface takes may still be reflected.
-    outcome.fades = both(outcome.fades, negate(photon.crossing.before > F(0)));
+    outcome.fades = both(outcome.fades, negate(crossing.before > F(0)));
   }
   return outcome;
 }
@@ -205,16 +219,16 @@ VOLCAUSTIC_HD inline StepOutcome<F> stepPhoton(const FlatMedium& m, const Photon
 /// Sends a photon back whose crossing has come to its end, by the chance that reflection has; the power of a photon
 /// stays whole, so what is reflected and what goes on sum up to it on the average. \return whether it was sent back
 VOLCAUSTIC_HD inline bool reflectByChance(const FlatMedium& m, const PhotonRules& rules, std::uint64_t id,
-                                          const Reflection<float>& r, Photon& photon) {
+                                          const Reflection<float>& r, Photon& photon, PhotonMirror<float>& mirror) {
   constexpr std::uint64_t kStream = 1u << 31; // apart from the numbers of roulette
   if (uniform(rules.seed, id, static_cast<std::uint64_t>(photon.steps) + kStream) >= static_cast<double>(r.share))
     return false;
   photon.ray = r.to;
   photon.from = r.to.x;
   photon.power = r.light;
-  photon.scattered = photon.scatteredBefore;
+  photon.scattered = mirror.scatteredBefore;
   photon.optics = m.attenuates ? m.opticsIndex(m.voxelOf(r.to.x)) : 0;
-  photon.crossing = sentBack(r);
+  mirror.crossing = sentBack(r);
   return true;
 }
 
@@ -314,10 +328,11 @@ struct PhotonBody {
     const Float3 first = photon.power;
     Double3 gained(0, 0, 0);
     Landing* const landing = landings ? landings + (cell - landingsFrom) : nullptr;
+    PhotonMirror<float> mirror;
     Outcome end = Outcome::CutOff;
     while (true) {
       const StepOutcome<float> step =
-          stepPhoton(medium, rules, photon, true, [&](const ChordOf<float>& chord, bool on) {
+          stepPhoton(medium, rules, photon, rules.fresnel ? &mirror : nullptr, true, [&](const ChordOf<float>& chord, bool on) {
             if (on) depositChord(sink, medium, chord);
           });
       if (step.notFinite) {
@@ -334,7 +349,7 @@ struct PhotonBody {
         break;
       }
       if (step.reflection.on)
-        reflectByChance(medium, rules, static_cast<std::uint64_t>(cell), step.reflection, photon);
+        reflectByChance(medium, rules, static_cast<std::uint64_t>(cell), step.reflection, photon, mirror);
       if (step.fades && endsByRoulette(rules, static_cast<std::uint64_t>(cell), photon, gained)) break;
       if (step.limit) {
         sink.count(Counter::StepLimit, 1);

@@ -203,8 +203,9 @@ public:
     while (any(alive) && goesOn(alive)) {
       const Step s = step(r, alive);
       end.notFinite = either(end.notFinite, s.notFinite);
-      const M dark = both(maxComponent(r.transmitted) < F(1e-5f), negate(r.mirrors.crossing.before > F(0)));
-      const M over = either(either(s.leaves, s.notFinite), dark);
+      M dark = maxComponent(r.transmitted) < F(1e-5f);
+      if (mScene.rules.fresnel) dark = both(dark, negate(r.mirrors.crossing.before > F(0)));
+      const M over = either(either(s.leaves, s.lands), either(s.notFinite, dark));
       const M ended = both(alive, over);
       alive = both(alive, negate(over));
       if (mScene.rules.fresnel && any(ended)) alive = either(alive, reflectWaiting(r, both(ended, negate(s.notFinite))));
@@ -224,6 +225,7 @@ private:
     M strides; ///< crosses a whole brick of even light
     M lit;
     M leaves, notFinite;
+    M lands; ///< on a receiver
   };
 
   VOLCAUSTIC_HD Step step(ViewRay<F>& r, const M& alive) const {
@@ -240,27 +242,29 @@ private:
            both(free, negate(fine)),
            (r.plan & I(kPlanLit)) != I(0),
            both(free, r.box <= F(kOnFace)),
+           none,
            none};
     const M busy = both(alive, negate(free));
     M meets = both(free, s.optics != I(0)); // what is not the ambient medium
     if (any(busy)) bend(r, towards, voxel, busy, ds, meets, s);
     ReceiverHit<F> hit;
-    M lands = none;
-    if (mScene.receivers.any()) lands = meetReceivers(r, alive, hit, ds, s);
+    if (mScene.receivers.any()) s.lands = meetReceivers(r, alive, hit, ds, s);
     r.depth = select(meets, smaller(r.depth, r.travelled), r.depth);
     const M moves = both(alive, negate(s.notFinite));
     const RayOf<F> before = r.ray;
-    const Vec3<F> transmitted = r.transmitted;
     r.ray = {select<F>(moves, s.to.x, r.ray.x), select<F>(moves, s.to.v, r.ray.v)};
+    const Vec3<F> transmitted = r.transmitted;
+    M scatters = moves;
     // A ray that was sent back is outside already, whatever of the skin it still has to cross.
-    if (mMedium.attenuates) scatter(r, before.x, s, both(moves, negate(r.mirrors.crossing.before < F(0))));
-    r.travelled = r.travelled + ds;
-    if (any(lands)) {
-      receive(mScene, r, hit, lands);
-      r.depth = select(lands, smaller(r.depth, r.travelled), r.depth);
-    }
+    if (mScene.rules.fresnel) scatters = both(moves, negate(r.mirrors.crossing.before < F(0)));
+    if (mMedium.attenuates) scatter(r, before.x, s, scatters);
     if (mScene.rules.fresnel)
-      reflect(r, watchStep(r.mirrors.crossing, before, r.ray, s.length, transmitted, both(moves, negate(lands))));
+      reflect(r, watchStep(r.mirrors.crossing, before, r.ray, s.length, transmitted, both(moves, negate(s.lands))));
+    r.travelled = r.travelled + ds;
+    if (any(s.lands)) {
+      receive(mScene, r, hit, s.lands);
+      r.depth = select(s.lands, smaller(r.depth, r.travelled), r.depth);
+    }
     r.steps = select(alive, r.steps + I(1), r.steps);
     return s;
   }

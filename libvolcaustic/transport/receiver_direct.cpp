@@ -1,6 +1,7 @@
 #include "transport/receiver_direct.h"
 
 #include "core/parallel.h"
+#include "transport/clear_view.h"
 #include "transport/emission.h"
 #include "transport/lit_raster.h"
 
@@ -76,6 +77,11 @@ public:
     const Float3 back = Float3(mOrigin) - at;
     const float squared = dot(back, back), inverse = kernels::inverseRoot(std::max(squared, 1e-12f));
     return !kernels::meetsReceiver<float>(mScene, at, back * inverse, 0.0f, squared * inverse, true);
+  }
+
+  /// Whether it is known to come so to all of a patch of a flat receiver.
+  [[nodiscard]] bool reachesAll(const ClearView& view, const ClearView::Patch& patch, std::int32_t receiver) const {
+    return view.reaches(patch, receiver, mPoint, mPoint ? mOrigin : mDirection);
   }
 
 private:
@@ -172,14 +178,14 @@ int countLit(const LightThroughRaster& light, const MappedTriangle& surface, std
 /// What rounding may move a point of single precision by, and more.
 double clearanceAt(const Double3& p) { return 2e-3 + 4e-7 * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
 
-/// Of a texel: the light in its middle, times the part of it that is lit.
+/// Of a texel: the light in its middle, times the part of it that is lit; all of it where that is known.
 Double3 irradianceOf(const LightThroughRaster& light, const MappedTriangle& surface, std::int32_t column,
-                     std::int32_t row) {
+                     std::int32_t row, bool clear) {
   constexpr int kCoarse = 2, kFine = 4; // points along a side of a texel; the latter where shadow has an edge
   const Double3 middle = surface.at({column + 0.5, row + 0.5});
   if (!light.answersFor(middle)) return {0, 0, 0};
   const Double3 all = light.unshadowed(middle, surface.normal());
-  if (!(kernels::maxComponent(all) > 0)) return {0, 0, 0};
+  if (clear || !(kernels::maxComponent(all) > 0)) return all;
   const Double3 lift = surface.normal() * clearanceAt(middle);
   int side = kCoarse, lit = countLit(light, surface, column, row, side, lift);
   if (lit != 0 && lit != side * side) {
@@ -194,23 +200,44 @@ Double3 irradianceOf(const LightThroughRaster& light, const MappedTriangle& surf
 void addDirectLight(const ReceiverSet& set, const Domain& domain, const Ambient& ambient, const LightPart& part,
                     const EmissionFrame& frame, std::span<const float> entry, std::span<float> irradiance,
                     const RunContext& ctx) {
+  constexpr std::int32_t kPatch = 16; // texels along a side of what is looked at as a whole first
   const kernels::ReceiverScene scene = set.scene();
   const bool alone = scene.surfaceCount == 1 && set.isFlat(0); // a rectangle does not shadow itself
   const LightThroughRaster light(domain, ambient, part.light, frame, entry, scene, !alone);
+  const ClearView view(set, frame, entry);
   for (std::int32_t number = 0; number < scene.surfaceCount; ++number) {
     const kernels::ReceiverSurface& receiver = set.surfaces()[number];
-    parallelFor(receiver.rows, 4, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    const auto patches = [](std::int32_t texels) { return (texels + kPatch - 1) / kPatch; };
+    parallelFor(patches(receiver.rows), 1, ctx, [&](std::int64_t begin, std::int64_t end, int) {
       std::int32_t last = -1;
       std::optional<MappedTriangle> surface;
-      for (auto row = static_cast<std::int32_t>(begin); row < end; ++row)
-        for (std::int32_t column = 0; column < receiver.columns; ++column) {
-          const std::int64_t at = set.texelAt(number, column, row);
-          const std::int32_t triangle = set.texels()[at].triangle;
-          if (triangle < 0) continue;
-          if (triangle != last) surface.emplace(set.triangles()[last = triangle], set.isFlat(number));
-          const Double3 e = irradianceOf(light, *surface, column, row);
-          for (int c = 0; c < 3; ++c) irradiance[3 * at + c] += static_cast<float>(e[c]);
-        }
+      const auto surfaceOf = [&](std::int32_t triangle) -> const MappedTriangle& {
+        if (triangle != last) surface.emplace(set.triangles()[last = triangle], set.isFlat(number));
+        return *surface;
+      };
+      const auto isClear = [&](const TexelRange& t) {
+        const std::int32_t triangle = set.texels()[set.texelAt(number, t.column, t.row)].triangle;
+        if (triangle < 0 || !set.isFlat(number)) return false;
+        const double c0 = t.column, c1 = t.column + t.columns, r0 = t.row, r1 = t.row + t.rows;
+        const MappedTriangle& flat = surfaceOf(triangle);
+        return light.reachesAll(view, {flat.at({c0, r0}), flat.at({c1, r0}), flat.at({c0, r1}), flat.at({c1, r1})},
+                                number);
+      };
+      for (std::int64_t patch = begin * patches(receiver.columns); patch < end * patches(receiver.columns); ++patch) {
+        TexelRange t{static_cast<std::int32_t>(patch % patches(receiver.columns)) * kPatch,
+                     static_cast<std::int32_t>(patch / patches(receiver.columns)) * kPatch, 0, 0};
+        t.columns = std::min(kPatch, receiver.columns - t.column);
+        t.rows = std::min(kPatch, receiver.rows - t.row);
+        const bool clear = isClear(t);
+        for (std::int32_t row = t.row; row < t.row + t.rows; ++row)
+          for (std::int32_t column = t.column; column < t.column + t.columns; ++column) {
+            const std::int64_t at = set.texelAt(number, column, row);
+            const std::int32_t triangle = set.texels()[at].triangle;
+            if (triangle < 0) continue;
+            const Double3 e = irradianceOf(light, surfaceOf(triangle), column, row, clear);
+            for (int c = 0; c < 3; ++c) irradiance[3 * at + c] += static_cast<float>(e[c]);
+          }
+      }
     });
   }
 }

@@ -45,6 +45,19 @@ class Check(ProgramCase):
             with self.subTest(scene=scene.name):
                 self.succeed("scene", "check", scene)
 
+    def test_every_shipped_scene_renders(self):
+        for scene in sorted((DATA / "scenes").glob("*.json")):
+            with self.subTest(scene=scene.name):
+                content = json.loads(without_comments(scene.read_text()))
+                small = ["camera.resolution=[32,20]", "photons.grid=[32,32]", "volume.resolution=24", "view.samples=1"]
+                small += [f"receivers.{i}.resolution=32" for i in range(len(content.get("receivers", [])))]
+                small += [f"lights.{i}.samples=2" for i, light in enumerate(content["lights"])
+                          if light.get("type") == "environment"]
+                report = self.report("render", scene, "-o", self.path("picture.exr"),
+                                     *(word for value in small for word in ("--set", value)))
+                self.assertGreater(report["counts"]["photonsEmitted"], 0)
+                self.assertLess(report["energyBalance"]["relativeImbalance"], 1e-3)
+
 
 class New(ProgramCase):
     def test_the_template_is_a_scene_as_it_is(self):

@@ -218,6 +218,23 @@ TEST(Receivers, AWhiteFloorUnderAnEvenSkyCannotBeSeen) {
   EXPECT_NEAR(plane(image, "R")[40], 2, .04);
 }
 
+// A ball that stands on the floor: rays land in the midst of its skin, and reflected ones wait for them.
+TEST(Receivers, RaysEndOnAFloorThatAReflectingBallStandsOn) {
+  const Medium medium = buildMedium(std::vector{glassBall({.5, .5, .5}, .3, 1.5)}, {}, unitCube(64));
+  const PhotonResult result = trace(medium, Light(), {floorAt(.2, 4)});
+  Camera camera = lookingDown(48);
+  camera.position = {.5, -3, 1.5};
+  camera.target = {.5, .5, .4};
+  camera.up = {0, 0, 1};
+  ViewOptions options;
+  options.fresnel = true;
+  options.maxSteps = 4000;
+  const ViewResult view = renderView(medium, result.radiance, camera, {}, {}, options, {}, {}, result.receivers);
+  EXPECT_EQ(view.raysAtStepLimit, 0);
+  EXPECT_EQ(view.raysNotFinite, 0);
+  EXPECT_LT(view.steps, 48 * 48 * 200);
+}
+
 TEST(Receivers, BacksAreBlack) {
   const Medium medium = buildMedium({}, {}, unitCube(16));
   Receiver ceiling = floorAt(.5, 4);

@@ -131,19 +131,20 @@ void addPhotons(Job& job, const Session& session, const PhotonResult& photons, J
   for (const PhotonResult& light : photons.lights) result["lights"][light.light] = energyReport(light.balance);
 }
 
-/// Said before the photons are sent.
-void checkLightMaps(const SceneRun& o, const Session& session) {
-  if (!o.lightMaps.empty() && session.scene().receivers.empty())
+/// Makes the folder, before the photons are sent.
+void prepareLightMaps(const SceneRun& o, const Session& session) {
+  if (o.lightMaps.empty()) return;
+  if (session.scene().receivers.empty())
     throw Error(ErrorKind::Usage, "--light-maps: the scene has no receivers; add one to /receivers");
+  std::error_code failed;
+  std::filesystem::create_directories(o.lightMaps, failed);
+  if (failed)
+    throw Error(ErrorKind::File, o.lightMaps + ": cannot be made: " + failed.message() + "; choose another folder");
 }
 
 void writeLightMaps(Job& job, const SceneRun& o, int frame, const PhotonResult& photons,
                     const std::map<std::string, std::string>& metadata) {
   if (o.lightMaps.empty()) return;
-  std::error_code failed;
-  std::filesystem::create_directories(o.lightMaps, failed);
-  if (failed)
-    throw Error(ErrorKind::File, o.lightMaps + ": cannot be made: " + failed.message() + "; choose another folder");
   for (ReceiverMap& map : photons.receivers.maps()) {
     const std::string file = (std::filesystem::path(o.lightMaps) / (map.name + ".exr")).string();
     const std::string output = o.frames.empty() ? file : withFrame(framePattern(file), frame);
@@ -181,7 +182,7 @@ int runTrace(const Trace& o) {
   FrameSession frames(job, o.run);
   forEachFrame(job, o.run, FileKind::Volume, [&](int frame, const std::vector<std::string>& outputs, Json& result) {
     Session& session = frames.at(frame, result);
-    checkLightMaps(o.run, session);
+    prepareLightMaps(o.run, session);
     const PhotonResult& photons = session.photons();
     frames.reportStages();
     addPhotons(job, session, photons, result);
@@ -250,7 +251,7 @@ int runRender(const Render& o) {
         return readRadiance(file, session.medium().domain(), job.context());
       }));
     // What cannot be written or read is known before the photons are sent.
-    checkLightMaps(o.run, session);
+    prepareLightMaps(o.run, session);
     for (const std::string& output : outputs) checkLayers(output, session.viewChannels(), o.write.layers);
     session.background();
     if (o.radiance.empty()) addPhotons(job, session, session.photons(), result);

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Generates every mesh of data/meshes and every volume of data/volumes. Needs numpy, and python3-openvdb for volumes.
+"""Generates every mesh of data/meshes and every volume of data/volumes. Needs numpy, and python3-openvdb for volumes and
+the bunny.
 
     tools/dev/make_data.py [--into FOLDER] [NAME...]      writes all, or the named files, into data or another FOLDER
 
@@ -220,6 +221,111 @@ def convex_solid(planes):
     return vertices, np.array(triangles)
 
 
+def lens(curvature=1.5, radius=0.6, edge=0.05, segments=160, rings=32):
+    """Biconvex lens about z: two spherical faces of the given radius of curvature, `edge` apart where they end."""
+    angle = np.linspace(0, np.arcsin(radius / curvature), rings + 1)
+    across = curvature * np.sin(angle)
+    sag = curvature * (1 - np.cos(angle))
+    half = edge / 2 + sag[-1]
+    lower = np.stack([across, sag - half], axis=1)
+    upper = np.stack([across[::-1], half - sag[::-1]], axis=1)
+    return revolve(np.concatenate([lower, upper]), segments)
+
+
+def turned_to(axis):
+    """Columns x, y, z of a frame whose z is along `axis` and whose y is across it and across the world's x."""
+    z = np.asarray(axis) / np.linalg.norm(axis)
+    y = np.cross(z, [1.0, 0, 0])
+    y /= np.linalg.norm(y)
+    return np.stack([np.cross(y, z), y, z], axis=1)
+
+
+def ellipsoid(points, centre, radii, axis=(0, 0, 1)):
+    """Distance from an ellipsoid whose third radius is along `axis`, exact at its surface to first order."""
+    local = (points - np.asarray(centre)) @ turned_to(axis) / np.asarray(radii)
+    from_centre = np.linalg.norm(local, axis=-1)
+    slope = np.linalg.norm(local / np.asarray(radii), axis=-1)
+    return from_centre * (from_centre - 1) / np.maximum(slope, 1e-9)
+
+
+def tapered_capsule(points, start, end, start_radius, end_radius):
+    """Distance from a stick with round ends whose radius changes along it."""
+    start, along = np.asarray(start), np.asarray(end) - np.asarray(start)
+    t = np.clip((points - start) @ along / (along @ along), 0, 1)
+    return np.linalg.norm(points - start - t[..., None] * along, axis=-1) - (start_radius + t * (end_radius - start_radius))
+
+
+def blend(a, b, width):
+    """Union of two distance fields that runs together within `width` (polynomial smooth minimum)."""
+    overlap = np.maximum(width - np.abs(a - b), 0) / width
+    return np.minimum(a, b) - overlap * overlap * width / 4
+
+
+def carve(a, b, width):
+    """What of a is outside b, its edge rounded within `width`."""
+    return -blend(-a, b, width)
+
+
+def bunny_head(points):
+    head = ellipsoid(points, (0.34, 0, 0.96), (0.275, 0.235, 0.235))
+    cheek = ellipsoid(points, (0.42, 0.12, 0.89), (0.16, 0.13, 0.13))
+    muzzle = ellipsoid(points, (0.555, 0, 0.895), (0.115, 0.12, 0.105))
+    nose = ellipsoid(points, (0.655, 0, 0.935), (0.03, 0.045, 0.03))
+    head = blend(blend(blend(head, cheek, 0.12), muzzle, 0.10), nose, 0.03)
+    ear_axis = (-0.30, 0.20, 1)
+    ear = ellipsoid(points, (0.13, 0.155, 1.46), (0.085, 0.125, 0.40), ear_axis)
+    shell = ellipsoid(points, (0.235, 0.165, 1.49), (0.060, 0.078, 0.30), ear_axis)
+    head = blend(head, carve(ear, shell, 0.03), 0.09)
+    socket = ellipsoid(points, (0.515, 0.215, 1.005), (0.055, 0.05, 0.06))
+    eye = ellipsoid(points, (0.478, 0.178, 1.0), (0.046, 0.046, 0.05))
+    return blend(carve(head, socket, 0.03), eye, 0.008)
+
+
+def bunny_field(points):
+    """Distance, nearly, from a sitting bunny that looks along x, stands on z = 0 and is 1.85 high."""
+    half = points * [1, 0, 1] + np.abs(points) * [0, 1, 0]  # left is as right
+    body = ellipsoid(half, (-0.16, 0, 0.40), (0.46, 0.37, 0.40))
+    parts = [
+        (ellipsoid(half, (0.20, 0, 0.50), (0.24, 0.25, 0.36), (-0.15, 0, 1)), 0.22),       # chest
+        (ellipsoid(half, (-0.14, 0.27, 0.29), (0.32, 0.14, 0.27), (-0.25, 0, 1)), 0.08),   # thighs
+        (ellipsoid(half, (0.08, 0.30, 0.085), (0.33, 0.115, 0.085)), 0.07),                # hind feet
+        (tapered_capsule(half, (0.30, 0.12, 0.42), (0.40, 0.125, 0.10), 0.10, 0.085), 0.08),  # fore legs
+        (ellipsoid(half, (0.46, 0.125, 0.07), (0.13, 0.085, 0.07)), 0.06),                 # fore paws
+        (ellipsoid(half, (-0.64, 0, 0.26), (0.14, 0.15, 0.15)), 0.05),                     # tail
+        (bunny_head(half), 0.14),
+    ]
+    for part, width in parts:
+        body = blend(body, part, width)
+    return carve(body, points[..., 2], 0.03)  # flat below
+
+
+def polygonise(field, low, high, cell):
+    """Vertices and outward triangles of field(points) = 0 between two corners, vertices drawn onto the surface."""
+    import pyopenvdb
+
+    axes = [np.arange(l, h, cell) for l, h in zip(low, high)]
+    values = field(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1))
+    grid = pyopenvdb.FloatGrid(4 * cell)
+    grid.copyFromArray(np.clip(values, -4 * cell, 4 * cell).astype(np.float32))
+    points, quads = grid.convertToQuads(0.0)
+    points = points * cell + np.asarray(low)
+    nudge = 1e-4
+    for _ in range(3):
+        slope = np.stack([field(points + nudge * e) - field(points - nudge * e) for e in np.eye(3)], axis=-1) / (2 * nudge)
+        pull = field(points)[:, None] * slope / np.maximum(np.einsum("ij,ij->i", slope, slope), 0.25)[:, None]
+        points = points - np.clip(pull, -0.3 * cell, 0.3 * cell)
+    a, b, c, d = quads.T
+    triangles = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).astype(np.int64)
+    corner = points[triangles]
+    if np.einsum("ij,ij->", np.cross(corner[:, 0], corner[:, 1]), corner[:, 2]) < 0:
+        triangles = triangles[:, ::-1]
+    return points, triangles
+
+
+def bunny(cell=0.026):
+    return polygonise(bunny_field, (-0.9, -0.6, -0.1), (0.85, 0.6, 2.0), cell)
+
+
 def write_volume(path, name, values, first, voxel, background):
     """A .vdb with one grid of floats: `values` at the voxels from index `first` on, whose edges are `voxel`; voxels of
     the background are left out."""
@@ -274,6 +380,8 @@ MESHES = {
     "wine.ply": lambda path: write_ply(path, *wine(), "wine for goblet.ply, reaching a little into its wall"),
     "torus_knot.ply": lambda path: write_ply(path, *torus_knot(), "(2,3) torus knot, tube radius 0.22"),
     "gem.ply": lambda path: write_ply(path, *convex_solid(gem_planes()), "round brilliant, radius 1"),
+    "lens.ply": lambda path: write_ply(path, *lens(), "biconvex lens, faces of radius 1.5, aperture 0.6"),
+    "bunny.ply": lambda path: write_ply(path, *bunny(), "sitting bunny, ellipsoids and sticks that run together"),
 }
 VOLUMES = {"fibre.vdb": fibre, "hot_ground.vdb": hot_ground}
 
