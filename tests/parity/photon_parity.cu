@@ -254,7 +254,8 @@ VOLCAUSTIC_HD Exit carry(const FlatMedium& medium, const EmissionFrame& frame, c
                          std::int64_t cell, float entry) {
   Photon photon = startPhoton(medium, frame, rules, cell, entry);
   while (true) {
-    const StepOutcome<float> step = stepPhoton(medium, rules, photon, nullptr, true, [](const ChordOf<float>&, bool) {});
+    PhotonMirror<float>* const none = nullptr;
+    const StepOutcome<float> step = stepPhoton(medium, rules, photon, none, true, [](const ChordOf<float>&, bool) {});
     if (step.leaves || step.notFinite || step.limit) break;
   }
   return {photon.ray.x, photon.ray.v, photon.power, photon.steps};

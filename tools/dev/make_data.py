@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Generates every mesh of data/meshes and every volume of data/volumes. Needs numpy, and python3-openvdb for volumes and
-the bunny.
+"""Generates every mesh of data/meshes and every volume of data/volumes. Needs numpy, and python3-openvdb for the bunny
+and volumes.
 
     tools/dev/make_data.py [--into FOLDER] [NAME...]      writes all, or the named files, into data or another FOLDER
 
@@ -252,7 +252,8 @@ def tapered_capsule(points, start, end, start_radius, end_radius):
     """Distance from a stick with round ends whose radius changes along it."""
     start, along = np.asarray(start), np.asarray(end) - np.asarray(start)
     t = np.clip((points - start) @ along / (along @ along), 0, 1)
-    return np.linalg.norm(points - start - t[..., None] * along, axis=-1) - (start_radius + t * (end_radius - start_radius))
+    radius = start_radius + t * (end_radius - start_radius)
+    return np.linalg.norm(points - start - t[..., None] * along, axis=-1) - radius
 
 
 def blend(a, b, width):
@@ -311,7 +312,8 @@ def polygonise(field, low, high, cell):
     points = points * cell + np.asarray(low)
     nudge = 1e-4
     for _ in range(3):
-        slope = np.stack([field(points + nudge * e) - field(points - nudge * e) for e in np.eye(3)], axis=-1) / (2 * nudge)
+        rises = [field(points + nudge * e) - field(points - nudge * e) for e in np.eye(3)]
+        slope = np.stack(rises, axis=-1) / (2 * nudge)
         pull = field(points)[:, None] * slope / np.maximum(np.einsum("ij,ij->i", slope, slope), 0.25)[:, None]
         points = points - np.clip(pull, -0.3 * cell, 0.3 * cell)
     a, b, c, d = quads.T
