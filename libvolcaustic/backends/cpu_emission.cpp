@@ -7,8 +7,8 @@ namespace volcaustic {
 void emitOnCpu(const TracerSetup& setup, const LaneSet& lanes, const RunContext& ctx,
                const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
                const RasterCells& cells, std::span<CpuSums> sums) {
-  const EmissionTask task{setup.medium, frame, kernels::rasterView(frame), reach, setup.scale, rows, cells.entry,
-                          cells.stops};
+  const EmissionTask task{setup.medium, frame,      kernels::rasterView(frame), reach, setup.scale, rows,
+                          cells.entry,  cells.stops};
   const std::int64_t first = rows.begin / kernels::kReachTile,
                      last = (rows.end + kernels::kReachTile - 1) / kernels::kReachTile;
   parallelFor(last - first, 1, ctx, [&](std::int64_t begin, std::int64_t end, int slot) {

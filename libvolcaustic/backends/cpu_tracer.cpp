@@ -36,10 +36,9 @@ public:
     parallelFor(
         count, kPhotonsPerTask, mCtx,
         [&](std::int64_t begin, std::int64_t end, int slot) {
-          mLanes.tracePhotons(
-              {mSetup.medium, frame, mSetup.rules, mSetup.scale, raster.entry, cells.data() + begin, end - begin,
-               raster.landings},
-              mSums[slot], far[begin / kPhotonsPerTask]);
+          mLanes.tracePhotons({mSetup.medium, frame, mSetup.rules, mSetup.scale, raster.entry, cells.data() + begin,
+                               end - begin, raster.landings},
+                              mSums[slot], far[begin / kPhotonsPerTask]);
         },
         "photons");
     if (mFar.waiting() > kMostFarChords) settleFarLight();

@@ -259,12 +259,12 @@ struct Flight {
   [[nodiscard]] kernels::PhotonMirror<Float> mirrorsAt(int at) const {
     kernels::PhotonMirror<Float> m;
     int k = 0;
-    m.forEach([&](Float& v) __attribute__((always_inline)) { v = load(mirrors[k++] + at); });
+    m.forEach([&](Float & v) __attribute__((always_inline)) { v = load(mirrors[k++] + at); });
     return m;
   }
   void putMirrors(int at, kernels::PhotonMirror<Float>& m) {
     int k = 0;
-    m.forEach([&](Float& v) __attribute__((always_inline)) { store(v, mirrors[k++] + at); });
+    m.forEach([&](Float & v) __attribute__((always_inline)) { store(v, mirrors[k++] + at); });
   }
   [[nodiscard]] kernels::PhotonMirror<float> mirror(int i) const {
     kernels::PhotonMirror<float> m;
@@ -345,7 +345,7 @@ private:
     const Mask alive = load(mFlight.alive + at) != Int(0);
     if (!any(alive)) return;
     kernels::PhotonOf<Float> p = mFlight.get(at);
-    const auto advance = [&](kernels::PhotonMirror<Float>* mirror) __attribute__((always_inline)) {
+    const auto advance = [&](kernels::PhotonMirror<Float> * mirror) __attribute__((always_inline)) {
       return kernels::stepPhoton(mTask.medium, mTask.rules, p, mirror, alive,
                                  [&](const ChordOf<Float>& chord, const Mask& on) { mRasteriser.add(chord, on); });
     };
@@ -388,7 +388,8 @@ private:
     for (std::uint32_t left = bits(on); left != 0; left &= left - 1) {
       const int lane = __builtin_ctz(left), i = at + lane;
       const auto n = [&](int k) { return numbers[k][lane]; };
-      const kernels::Reflection<float> r{true, n(0), {{n(2), n(3), n(4)}, {n(5), n(6), n(7)}}, n(1), {n(8), n(9), n(10)}};
+      const kernels::Reflection<float> r{
+          true, n(0), {{n(2), n(3), n(4)}, {n(5), n(6), n(7)}}, n(1), {n(8), n(9), n(10)}};
       kernels::Photon p = mFlight.photon(i);
       kernels::PhotonMirror<float> mirror = mFlight.mirror(i);
       if (!kernels::reflectByChance(mTask.medium, mTask.rules, mFlight.cell[i], r, p, mirror)) continue;

@@ -47,8 +47,8 @@ void stopOneByOne(const StopTask& task) { tiles::findStops<float>(task); }
 /// The reference: every chord goes to the sums at once.
 void traceOneByOne(const PhotonTask& task, CpuSums& sums, FarChords&) {
   CpuSink sink(sums, task.scale);
-  const kernels::PhotonBody<CpuSink> body{task.medium, task.frame, task.entry,
-                                         task.cells, task.rules, task.landings, 0};
+  const kernels::PhotonBody<CpuSink> body{task.medium, task.frame,    task.entry, task.cells,
+                                          task.rules,  task.landings, 0};
   for (std::int64_t i = 0; i < task.count; ++i) body(i, sink);
 }
 
@@ -138,13 +138,14 @@ std::vector<LaneSet> findLaneSets() {
 #if defined(VOLCAUSTIC_HAS_LANES)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
-    sets.push_back({"avx512", 16, avx512::emitTileRow, avx512::findStops, avx512::tracePhotons, avx512::rasterise, avx512::litLengths,
-                    avx512::lightAround, avx512::finishBlock, avx512::finishBrick, avx512::view, avx512::crossRows,
-                    avx512::sweepRows32, avx512::sweepRows64, avx512::addCorners, avx512::packCorners});
+    sets.push_back({"avx512", 16, avx512::emitTileRow, avx512::findStops, avx512::tracePhotons, avx512::rasterise,
+                    avx512::litLengths, avx512::lightAround, avx512::finishBlock, avx512::finishBrick, avx512::view,
+                    avx512::crossRows, avx512::sweepRows32, avx512::sweepRows64, avx512::addCorners,
+                    avx512::packCorners});
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
-    sets.push_back({"avx2", 8, avx2::emitTileRow, avx2::findStops, avx2::tracePhotons, avx2::rasterise, avx2::litLengths,
-                    avx2::lightAround, avx2::finishBlock, avx2::finishBrick, avx2::view, avx2::crossRows,
-                    avx2::sweepRows32, avx2::sweepRows64, avx2::addCorners, avx2::packCorners});
+    sets.push_back({"avx2", 8, avx2::emitTileRow, avx2::findStops, avx2::tracePhotons, avx2::rasterise,
+                    avx2::litLengths, avx2::lightAround, avx2::finishBlock, avx2::finishBrick, avx2::view,
+                    avx2::crossRows, avx2::sweepRows32, avx2::sweepRows64, avx2::addCorners, avx2::packCorners});
 #endif
   sets.push_back({"scalar", 1, emitOneByOne, stopOneByOne, traceOneByOne, nullptr, litOneByOne, lightAroundOneByOne,
                   finishBlockOneByOne, finishBrickOneByOne, viewOneByOne, crossRowsOneByOne, sweepRowsOneByOne,

@@ -188,8 +188,8 @@ struct RasterReach {
 };
 
 /// One cell for one call, a GPU's thread: distance of its first bend (relative to frame.depth0; kNeverBends when its
-/// light goes straight through or misses the box, or meets a receiver first). Light on the way there, and light that never bends, is booked here;
-/// the rest is PhotonBody's.
+/// light goes straight through or misses the box, or meets a receiver first). Light on the way there, and light that
+/// never bends, is booked here; the rest is PhotonBody's.
 template <class Sink>
 struct EmissionBody {
   FlatMedium medium;

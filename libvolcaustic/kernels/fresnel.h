@@ -1,11 +1,11 @@
 // Reflection where the index changes within a few voxels.
 //
-// A voxelised surface is a skin in which light bends. Geometric optics has no reflection in a medium that smooth, so the
-// share that a sharp surface would send back is found afterwards: a ray is watched for crossings, runs of steps along
-// which the index does nothing but rise, or fall. At the end of one, indices before and behind and the momentum along
-// the surface give Fresnel's reflectance (Born, Wolf: Principles of Optics, 1.5.2, eqs. 35); a reflected ray starts
-// where the index changed fastest. Slow gradients reflect nothing. Total reflection needs no help: there the ray turns
-// round by itself, and such a crossing does not count.
+// A voxelised surface is a skin in which light bends. Geometric optics has no reflection in a medium that smooth, so
+// the share that a sharp surface would send back is found afterwards: a ray is watched for crossings, runs of steps
+// along which the index does nothing but rise, or fall. At the end of one, indices before and behind and the momentum
+// along the surface give Fresnel's reflectance (Born, Wolf: Principles of Optics, 1.5.2, eqs. 35); a reflected ray
+// starts where the index changed fastest. Slow gradients reflect nothing. Total reflection needs no help: there the ray
+// turns round by itself, and such a crossing does not count.
 #pragma once
 
 #include "kernels/march.h"
@@ -42,8 +42,8 @@ struct SurfaceCrossing {
 };
 inline constexpr int kSurfaceCrossingNumbers = 15;
 
-/// What a crossing that came to its end sends back. A surface reflects the light that comes to it: what the skin took of
-/// that on the way in does not count.
+/// What a crossing that came to its end sends back. A surface reflects the light that comes to it: what the skin took
+/// of that on the way in does not count.
 template <class F>
 struct Reflection {
   MaskOf<F> on;
@@ -73,7 +73,8 @@ VOLCAUSTIC_HD inline Reflection<F> watchStep(SurfaceCrossing<F>& c, const RayOf<
   if (any(ends)) {
     const F across = dot(c.at.v, c.normal), along2 = larger(dot(c.at.v, c.at.v) - across * across, F(0));
     const F moved = absOf(index - c.before);
-    const M surface = both(c.before > F(0), both(moved > F(kFaintestSurface), moved < c.steepest * F(kThickestSurface)));
+    const M surface =
+        both(c.before > F(0), both(moved > F(kFaintestSurface), moved < c.steepest * F(kThickestSurface)));
     r.on = both(ends, both(surface, across * dot(from.v, c.normal) > F(0)));
     r.share = select(r.on, smaller(fresnelReflectance(larger(c.before, F(0.1f)), index, along2), F(1)), F(0));
     r.to.v = mulAdd(c.normal, F(-2) * across, c.at.v);

@@ -236,7 +236,8 @@ VOLCAUSTIC_HD inline bool reflectByChance(const FlatMedium& m, const PhotonRules
 VOLCAUSTIC_HD inline Outcome landBeyond(const PhotonRules& rules, const Photon& photon, Landing* landing) {
   if (!rules.receivers.any()) return Outcome::Escaped;
   const Float3 towards = photon.ray.v * inverseRoot(dot(photon.ray.v, photon.ray.v));
-  const ReceiverHit<float> hit = nearestHit<float>(rules.receivers, photon.ray.x, towards, -kReceiverOverlap, 3.0e38f, true);
+  const ReceiverHit<float> hit =
+      nearestHit<float>(rules.receivers, photon.ray.x, towards, -kReceiverOverlap, 3.0e38f, true);
   if (!found(hit)) return Outcome::Escaped;
   land(rules.receivers, hit, photon, landing);
   return Outcome::Received;
@@ -331,10 +332,10 @@ struct PhotonBody {
     PhotonMirror<float> mirror;
     Outcome end = Outcome::CutOff;
     while (true) {
-      const StepOutcome<float> step =
-          stepPhoton(medium, rules, photon, rules.fresnel ? &mirror : nullptr, true, [&](const ChordOf<float>& chord, bool on) {
-            if (on) depositChord(sink, medium, chord);
-          });
+      const StepOutcome<float> step = stepPhoton(medium, rules, photon, rules.fresnel ? &mirror : nullptr, true,
+                                                 [&](const ChordOf<float>& chord, bool on) {
+                                                   if (on) depositChord(sink, medium, chord);
+                                                 });
       if (step.notFinite) {
         sink.count(Counter::NotFinite, 1);
         break;

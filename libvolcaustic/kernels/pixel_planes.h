@@ -10,8 +10,8 @@ namespace volcaustic::kernels {
 /// What a pixel is made of; radiance in W/(m2 sr), depth in voxels.
 template <class F>
 struct PixelSumOf {
-  Vec3<F> caustic{F(0), F(0), F(0)}, direct{F(0), F(0), F(0)}, background{F(0), F(0), F(0)},
-      receiver{F(0), F(0), F(0)}, transmittance{F(0), F(0), F(0)};
+  Vec3<F> caustic{F(0), F(0), F(0)}, direct{F(0), F(0), F(0)}, background{F(0), F(0), F(0)}, receiver{F(0), F(0), F(0)},
+      transmittance{F(0), F(0), F(0)};
   F depth{3.0e38f};
   F steps{0};
 };

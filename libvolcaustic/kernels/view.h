@@ -175,7 +175,8 @@ VOLCAUSTIC_HD inline void arrive(const ViewScene& scene, ViewRay<F>& r, const Ma
   if (scene.receivers.any()) {
     const MaskOf<F> looks = both(on, maxComponent(r.transmitted) > F(0));
     const Vec3<F> towards = r.ray.v * inverseRoot(dot(r.ray.v, r.ray.v));
-    const ReceiverHit<F> hit = nearestHit<F>(scene.receivers, r.ray.x, towards, F(-kReceiverOverlap), F(3.0e38f), looks, true);
+    const ReceiverHit<F> hit =
+        nearestHit<F>(scene.receivers, r.ray.x, towards, F(-kReceiverOverlap), F(3.0e38f), looks, true);
     const MaskOf<F> lands = found(hit);
     if (any(lands)) {
       receive(scene, r, hit, lands);
@@ -208,7 +209,8 @@ public:
       const M over = either(either(s.leaves, s.lands), either(s.notFinite, dark));
       const M ended = both(alive, over);
       alive = both(alive, negate(over));
-      if (mScene.rules.fresnel && any(ended)) alive = either(alive, reflectWaiting(r, both(ended, negate(s.notFinite))));
+      if (mScene.rules.fresnel && any(ended))
+        alive = either(alive, reflectWaiting(r, both(ended, negate(s.notFinite))));
       const M limit = both(alive, r.steps > I(mScene.rules.maxSteps - 1));
       end.stepLimit = either(end.stepLimit, limit);
       alive = both(alive, negate(limit));

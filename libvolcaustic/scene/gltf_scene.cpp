@@ -36,9 +36,9 @@ public:
     const std::vector<GltfNode> nodes = gltfNodes(mFile, seconds, mNotes);
     Scene scene;
     for (const GltfNode& node : nodes) addObjects(node, scene);
-    mFile.context().requireMemory(mTriangleBytes,
-                                  mFile.name() + ": its " +
-                                      std::to_string(scene.objects.size() + scene.receivers.size()) + " objects");
+    mFile.context().requireMemory(mTriangleBytes, mFile.name() + ": its " +
+                                                      std::to_string(scene.objects.size() + scene.receivers.size()) +
+                                                      " objects");
     scene.materials.clear();
     for (const GltfMaterial& m : mMaterials)
       if (m.transmits) scene.materials.push_back(m.material);

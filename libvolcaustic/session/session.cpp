@@ -151,8 +151,8 @@ struct Session::State {
     for (const SceneReceiver& r : scene.receivers) {
       const std::string name = !r.name.empty() ? r.name : "receiver" + std::to_string(all.size());
       const bool square = !r.mesh && r.meshFile.empty();
-      all.push_back({name, square ? nullptr : load(r, reader).mesh, affine(r.placement), r.albedo, r.resolution,
-                     r.visible});
+      all.push_back(
+          {name, square ? nullptr : load(r, reader).mesh, affine(r.placement), r.albedo, r.resolution, r.visible});
     }
     return all;
   }

@@ -20,8 +20,8 @@ public:
   using Patch = std::array<kernels::Double3, 4>;
 
   /// True only if light, of a point or parallel, meets neither a bend of this raster nor another receiver on its way to
-  /// any point of a patch of the flat receiver `number`; of six rasters around a light, only if this one sees all of the
-  /// patch. `light` is the place of the point or the direction.
+  /// any point of a patch of the flat receiver `number`; of six rasters around a light, only if this one sees all of
+  /// the patch. `light` is the place of the point or the direction.
   [[nodiscard]] bool reaches(const Patch& patch, std::int32_t number, bool point, const kernels::Double3& light) const;
 
 private:

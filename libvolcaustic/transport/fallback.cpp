@@ -68,7 +68,8 @@ private:
     std::vector<float> stops; ///< of the rows; empty without receivers
   };
 
-  [[nodiscard]] std::vector<float> copyOf(const kernels::EmissionFrame& frame, RowRange rows, const float* stops) const {
+  [[nodiscard]] std::vector<float> copyOf(const kernels::EmissionFrame& frame, RowRange rows,
+                                          const float* stops) const {
     if (!stops || !mMakeSecond) return {};
     return {stops + std::int64_t{rows.begin} * frame.columns, stops + std::int64_t{rows.end} * frame.columns};
   }

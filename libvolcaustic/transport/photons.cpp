@@ -137,11 +137,8 @@ private:
     const LaneSet& lanes = laneSet(parseDevice(mCtx.device).lanes);
     const kernels::RasterView view = kernels::rasterView(frame);
     parallelFor(frame.rows, 8, mCtx, [&](std::int64_t begin, std::int64_t end, int) {
-      lanes.findStops({mReceiverScene,
-                       frame,
-                       view,
-                       {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)},
-                       stops});
+      lanes.findStops(
+          {mReceiverScene, frame, view, {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)}, stops});
     });
   }
 
@@ -176,13 +173,8 @@ private:
   }
 
   [[nodiscard]] kernels::PhotonRules rules() const {
-    return {marchRules(mOptions),
-            mOptions.maxSteps,
-            static_cast<float>(mOptions.cutoff),
-            mOptions.roulette,
-            mCtx.seed,
-            mOptions.fresnel,
-            mReceiverScene};
+    return {marchRules(mOptions), mOptions.maxSteps, static_cast<float>(mOptions.cutoff), mOptions.roulette, mCtx.seed,
+            mOptions.fresnel,     mReceiverScene};
   }
 
   PhotonResult finish() {

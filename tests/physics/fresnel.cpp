@@ -17,7 +17,8 @@ double reflectance(double before, double behind, double angle) {
   if (sine >= 1) return 1;
   const double other = std::asin(sine);
   if (angle < 1e-9) return std::pow((before - behind) / (before + behind), 2);
-  const double s = std::sin(angle - other) / std::sin(angle + other), p = std::tan(angle - other) / std::tan(angle + other);
+  const double s = std::sin(angle - other) / std::sin(angle + other),
+               p = std::tan(angle - other) / std::tan(angle + other);
   return .5 * (s * s + p * p);
 }
 
@@ -60,7 +61,6 @@ TEST(Fresnel, BentPathsTurnRoundAtSnellsCriticalAngle) {
     }
   }
 }
-
 
 // A beam on a plane surface: above it goes the reflected beam, as wide as the one that comes, with R of its light.
 TEST(Fresnel, PhotonsAreReflectedAsOftenAsTheEquationsSay) {

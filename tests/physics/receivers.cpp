@@ -112,7 +112,8 @@ TEST(Receivers, ShadowTheVolumeAndKeepTheBalance) {
     // Beside the floor.
     EXPECT_NEAR(result.radiance.directFluence({3, 3, z})[0], open.radiance.directFluence({3, 3, z})[0], 1e-4);
   }
-  for (int z : {20, 40}) EXPECT_NEAR(result.radiance.fluence({32, 32, z})[0], open.radiance.fluence({32, 32, z})[0], .02);
+  for (int z : {20, 40})
+    EXPECT_NEAR(result.radiance.fluence({32, 32, z})[0], open.radiance.fluence({32, 32, z})[0], .02);
   // The map's power is what the balance says has landed, and what no longer escapes.
   const ReceiverMap map = result.receivers.maps().at(0);
   double landed = 0;
@@ -149,7 +150,8 @@ public:
       constexpr int kParts = 64; // the table is fine enough to be straight in between
       for (int k = 0; k < kParts; ++k) {
         const double u = (k + .5) / kParts, b = mix(i, u, "b");
-        const double exit = mix(i, u, "r_exit_signed"), from = mix(i, u, "t_exit"), crossing = mix(i, u, "t_axis_crossing");
+        const double exit = mix(i, u, "r_exit_signed"), from = mix(i, u, "t_exit"),
+                     crossing = mix(i, u, "t_axis_crossing");
         if (std::abs(exit * (crossing - t) / (crossing - from)) < radius)
           power += 2 * kPi * b * (bs[i + 1] - bs[i]) / kParts;
       }

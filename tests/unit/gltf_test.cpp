@@ -255,11 +255,11 @@ TEST_F(Gltf, PrimitivesOfOtherMaterialsAreObjectsOrReceiversOfTheirOwn) {
   };
   const std::string glass =
       R"({"name": "same", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}})";
-  const Scene scene =
-      read(mBuilder.glb(R"("nodes": [{"mesh": 0, "name": "a"}], "materials": [)" + glass + ", " + glass +
-                        R"(, {"name": "clay", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1]}}], "meshes": [{"primitives": [)" + primitive(R"(, "material": 1)") + ", " +
-                        primitive(R"(, "material": 0)") + ", " + primitive(R"(, "material": 1)") + ", " +
-                        primitive(R"(, "material": 2)") + ", " + primitive("") + "]}]"));
+  const Scene scene = read(mBuilder.glb(
+      R"("nodes": [{"mesh": 0, "name": "a"}], "materials": [)" + glass + ", " + glass +
+      R"(, {"name": "clay", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1]}}], "meshes": [{"primitives": [)" +
+      primitive(R"(, "material": 1)") + ", " + primitive(R"(, "material": 0)") + ", " +
+      primitive(R"(, "material": 1)") + ", " + primitive(R"(, "material": 2)") + ", " + primitive("") + "]}]"));
   ASSERT_EQ(scene.objects.size(), 2u);
   EXPECT_TRUE(scene.objects[0].meshFile.string().ends_with("x.glb#/meshes/0/primitives/0,2"));
   EXPECT_EQ(meshOf(scene.objects[0]).triangles.size(), 8u);

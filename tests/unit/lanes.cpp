@@ -84,7 +84,8 @@ Sums run(const Scene& scene, std::string_view lanes, const Way& way = {}) {
   RunContext ctx;
   ctx.threads = way.threads;
   const PhotonOptions& o = scene.options;
-  const kernels::PhotonRules rules{marchRules(o), o.maxSteps, static_cast<float>(o.cutoff), o.roulette, 5, o.fresnel, {}};
+  const kernels::PhotonRules rules{marchRules(o), o.maxSteps, static_cast<float>(o.cutoff), o.roulette, 5,
+                                   o.fresnel,     {}};
   const auto tracer = makeCpuTracer({scene.flat.view(), rules, scene.scale}, ctx, lanes);
   for (const kernels::EmissionFrame& frame : scene.frames) {
     const ReachMap reach = reachOf(scene.flat, frame);

@@ -35,9 +35,10 @@ void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
   addSceneFlags(command, o.flags, true);
   command.add_option("--frames", o.frames, "A-B[xS]: one file a frame, its number in the place of #### or %04d in OUT");
   command.add_flag("--resume", o.resume, "skip frames whose files are there");
-  command.add_option("--light-maps", o.lightMaps,
-                     "folder for the irradiance on each receiver as RECEIVER.exr (RECEIVER.0001.exr with --frames); of a "
-                     "mesh with an .obj that has the texture coordinates");
+  command.add_option(
+      "--light-maps", o.lightMaps,
+      "folder for the irradiance on each receiver as RECEIVER.exr (RECEIVER.0001.exr with --frames); of a "
+      "mesh with an .obj that has the texture coordinates");
 }
 
 /// Calls body(frame, outputs of it) for each frame that is wanted. Without --frames the one frame is the first.

@@ -242,9 +242,10 @@ void describe(Visitor&& visit, SceneObject& o) {
 template <class Visitor>
 void describe(Visitor&& visit, SceneReceiver& r) {
   visit("name", r.name, FieldDoc{"of its light map; receiver0, receiver1, ... where empty"});
-  visit("mesh", r.meshFile,
-        FieldDoc{"a mesh, as of objects, whose outside collects light; empty: a square of edge 1 around the origin that "
-                 "faces +z"});
+  visit(
+      "mesh", r.meshFile,
+      FieldDoc{"a mesh, as of objects, whose outside collects light; empty: a square of edge 1 around the origin that "
+               "faces +z"});
   describe(visit, r.placement);
   visit("albedo", r.albedo, FieldDoc{"part of the light that it sends back, RGB", "1", 0, 1});
   visit("resolution", r.resolution,

@@ -55,7 +55,7 @@ struct SceneObject {
   std::string material = "glass"; ///< a name in Scene::materials
   int priority = 0;
   bool visible = true;
-  std::vector<SceneGroup> groups; ///< `material` is for all groups that are not listed
+  std::vector<SceneGroup> groups;   ///< `material` is for all groups that are not listed
   std::filesystem::path volumeFile; ///< .vdb or .nvdb in place of a mesh; material and priority have no meaning then
   std::vector<PropertyGrid> grids;  ///< what the volume's grids are
 };
@@ -63,7 +63,7 @@ struct SceneObject {
 /// An opaque diffuse surface that light falls on: a floor, a wall, a statue (Receiver in receivers.h).
 struct SceneReceiver {
   std::string name;
-  std::filesystem::path meshFile;   ///< as SceneObject::meshFile; empty: a square of edge 1 around the origin, facing +z
+  std::filesystem::path meshFile; ///< as SceneObject::meshFile; empty: a square of edge 1 around the origin, facing +z
   std::shared_ptr<const Mesh> mesh; ///< a mesh in memory, which wins over meshFile
   Placement placement;
   Rgb albedo{0.8, 0.8, 0.8};

@@ -46,7 +46,7 @@ struct ViewOptions {
   double noise = 0;
   int maxSteps = 20000;
   bool fresnel = false; ///< split rays where the index changes within a few voxels, as PhotonOptions::fresnel
-  double exposure = 0; ///< stops, for tone-mapped files
+  double exposure = 0;  ///< stops, for tone-mapped files
 };
 
 struct ViewResult {
