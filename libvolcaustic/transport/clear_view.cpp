@@ -1,11 +1,12 @@
 #include "transport/clear_view.h"
 
+#include "transport/emission.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace volcaustic {
 
-using kernels::dot;
 using kernels::Double3;
 
 void ClearView::Bounds::add(const Double3& p) {
@@ -38,16 +39,10 @@ bool ClearView::bendsNowhere(const Patch& patch) const {
   if (mNearest.empty()) return true;
   double u0 = 1e300, u1 = -1e300, v0 = 1e300, v1 = -1e300, farthest = 0;
   for (const Double3& p : patch) {
-    const Double3 r = p - mFrame.origin;
-    double u = dot(r, mFrame.axisU), v = dot(r, mFrame.axisV), depth = dot(r, mFrame.axisW);
-    if (mFrame.point) {
-      if (!(depth > 0)) return false;
-      u /= depth;
-      v /= depth;
-      depth = kernels::length(r);
-    }
-    u0 = std::min(u0, u), u1 = std::max(u1, u), v0 = std::min(v0, v), v1 = std::max(v1, v);
-    farthest = std::max(farthest, depth - mFrame.depth0);
+    const std::optional<RasterPlace> place = placeOnRaster(mFrame, p);
+    if (!place) return false;
+    u0 = std::min(u0, place->u), u1 = std::max(u1, place->u), v0 = std::min(v0, place->v), v1 = std::max(v1, place->v);
+    farthest = std::max(farthest, place->depth - mFrame.depth0);
   }
   // A cell more on every side: what rounds to the next one.
   double c0 = (u0 - mFrame.u0) / mFrame.du - 1, c1 = (u1 - mFrame.u0) / mFrame.du + 1,

@@ -206,4 +206,13 @@ std::vector<EmissionFrame> emissionFrames(const Light& light, int number, const 
   return frames;
 }
 
+std::optional<RasterPlace> placeOnRaster(const EmissionFrame& frame, const Double3& p) {
+  const Double3 r = p - frame.origin;
+  const RasterPlace flat{dot(r, frame.axisU), dot(r, frame.axisV), dot(r, frame.axisW)};
+  if (!frame.point) return flat;
+  if (!(flat.depth > 0)) return std::nullopt;
+  const double u = flat.u / flat.depth, v = flat.v / flat.depth;
+  return RasterPlace{u, v, flat.depth * std::sqrt(1 + u * u + v * v)};
+}
+
 } // namespace volcaustic

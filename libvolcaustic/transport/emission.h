@@ -4,6 +4,7 @@
 #include "kernels/emission.h"
 #include "volcaustic/photons.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,13 @@ inline kernels::Double3 toGrid(const Domain& domain, const Vec3d& pWorld) {
   return {(pWorld[0] - domain.minCorner[0]) / domain.voxelSize, (pWorld[1] - domain.minCorner[1]) / domain.voxelSize,
           (pWorld[2] - domain.minCorner[2]) / domain.voxelSize};
 }
+
+/// Where the ray of a raster through a point crosses the raster's plane, in its units, and how far along the ray the
+/// point is from the frame's origin.
+struct RasterPlace {
+  double u, v, depth;
+};
+/// Nothing for a point behind a point light's tangent plane.
+std::optional<RasterPlace> placeOnRaster(const kernels::EmissionFrame& frame, const kernels::Double3& p);
 
 } // namespace volcaustic

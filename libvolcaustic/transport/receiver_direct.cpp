@@ -88,22 +88,16 @@ private:
   /// Whether the raster's ray through the point bends before it. Beside the raster nothing is in the way.
   [[nodiscard]] bool bends(const Double3& p) const {
     if (mFrame.columns < 1 || mFrame.rows < 1) return false;
-    const Double3 r = p - mFrame.origin;
-    double u = dot(r, mFrame.axisU), v = dot(r, mFrame.axisV), depth = dot(r, mFrame.axisW);
-    if (mFrame.point) {
-      if (!(depth > 0)) return false;
-      u /= depth;
-      v /= depth;
-      depth *= std::sqrt(1 + u * u + v * v);
-    }
-    double column = (u - mFrame.u0) * mCellsU, row = (v - mFrame.v0) * mCellsV;
+    const std::optional<RasterPlace> place = placeOnRaster(mFrame, p);
+    if (!place) return false;
+    double column = (place->u - mFrame.u0) * mCellsU, row = (place->v - mFrame.v0) * mCellsV;
     if (mFrame.cubeFace) { // a texel is its face's as a whole; its corners may be seen by the next one
       column = std::clamp(column, 0.0, mFrame.columns - 0.5);
       row = std::clamp(row, 0.0, mFrame.rows - 0.5);
     }
     if (!(column >= 0 && row >= 0 && column < mFrame.columns && row < mFrame.rows)) return false;
     return mEntry[static_cast<std::int64_t>(row) * mFrame.columns + static_cast<std::int64_t>(column)] <
-           depth - mFrame.depth0;
+           place->depth - mFrame.depth0;
   }
 
   /// Of the way through the domain's box.
