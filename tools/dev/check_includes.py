@@ -15,13 +15,15 @@ LIBRARY = "libvolcaustic"
 # Folder of the library -> folders whose private headers it may include.
 FOLDERS = {
     "core": {"core"},
-    "mesh": {"core", "mesh"},
+    "shapes": {"core", "shapes"},
+    "mesh": {"core", "shapes", "mesh"},
+    "polygonise": {"core", "shapes", "mesh", "polygonise"},
     "kernels": {"kernels"},
     "backends": {"core", "kernels", "backends"},
-    "volume": {"core", "mesh", "volume", "kernels", "backends"},
+    "volume": {"core", "shapes", "mesh", "volume", "kernels", "backends"},
     "transport": {"core", "volume", "kernels", "backends", "transport"},
     "image": {"core", "image"},
-    "scene": {"core", "scene"},
+    "scene": {"core", "shapes", "scene"},
     "session": {"core", "scene", "volume", "transport", "session"},
 }
 

@@ -1,4 +1,4 @@
-#include "volcaustic/scene.h"
+#include "volcaustic/placement.h"
 
 #include <cmath>
 #include <numbers>
