@@ -54,6 +54,11 @@ auto orFallBack(bool mayFallBack, const RunContext& ctx, const Work& work) -> de
 
 void addBody(DeviceMediumBuilder& builder, const Body& body, const Domain& domain, const VoxeliseOptions& options,
              const RunContext& ctx) {
+  if (!body.shape.empty()) {
+    const CoveragePatch patch = voxeliseBody(body, domain, options.supersample, options.fill, ctx);
+    builder.add(countsOf(patch, options.supersample), pointOf(body.material));
+    return;
+  }
   const SampledBody sampled(body, domain, options.supersample, options.fill, ctx);
   const kernels::PointOptics optics = pointOf(body.material);
   if (!sampled.closed())

@@ -5,6 +5,7 @@
 #include "volcaustic/export.h"
 #include "volcaustic/mesh.h"
 #include "volcaustic/run_context.h"
+#include "volcaustic/shape.h"
 #include "volcaustic/types.h"
 
 #include <filesystem>
@@ -54,13 +55,14 @@ struct StepFieldOptions {
   double attenuationTolerance = 0.01; ///< range of attenuation times voxel edge that still counts as constant
 };
 
-/// A closed body in world space and what it is made of. Where bodies overlap, the higher priority wins; of equal
+/// A closed body in world space, a mesh or a shape, and what it is made of. Where bodies overlap, the higher priority wins; of equal
 /// priorities, the later one.
 struct Body {
   std::shared_ptr<const Mesh> mesh;
   Material material;
   int priority = 0;
   std::string name; ///< for messages
+  Shape shape{};    ///< where it is not empty, in place of a mesh: inside is decided at the samples by the shape itself
 };
 
 /// What the triangles of one group of a mesh enclose, where that differs from the rest of the mesh: the wine of a
