@@ -80,10 +80,21 @@ void checkVolumeObject(const SceneObject& object, const std::string& pointer, co
 
 void checkMeshObject(const SceneObject& object, const std::vector<std::string>& materials, const std::string& pointer,
                      const SceneSource& source) {
-  if (object.meshFile.empty()) source.fail(pointer + "/mesh", "is missing; give a mesh file, or a volume");
+  if (object.meshFile.empty()) source.fail(pointer + "/mesh", "is missing; give a mesh file, or a shape or a volume");
   if (!object.grids.empty()) source.fail(pointer + "/grids", "are those of a volume; remove them");
   checkMaterialName(object.material, materials, pointer, source);
   checkGroups(object, materials, pointer, source);
+}
+
+/// What its nodes may be was checked when they were read.
+void checkShapeObject(const SceneObject& object, const std::vector<std::string>& materials, const std::string& pointer,
+                      const SceneSource& source) {
+  if (!object.meshFile.empty() || !object.volumeFile.empty())
+    source.fail(pointer + "/shape", "stands beside a mesh or a volume; make two objects of them");
+  if (!object.groups.empty())
+    source.fail(pointer + "/groups", "are those of a mesh; make an object of each part of the shape");
+  if (!object.grids.empty()) source.fail(pointer + "/grids", "are those of a volume; remove them");
+  checkMaterialName(object.material, materials, pointer, source);
 }
 
 void checkObjects(const Scene& scene, const SceneSource& source) {
@@ -95,7 +106,9 @@ void checkObjects(const Scene& scene, const SceneSource& source) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     const std::string pointer = "/objects/" + std::to_string(i);
-    if (object.volumeFile.empty())
+    if (!object.shape.empty())
+      checkShapeObject(object, names, pointer, source);
+    else if (object.volumeFile.empty())
       checkMeshObject(object, names, pointer, source);
     else
       checkVolumeObject(object, pointer, source);

@@ -1,7 +1,6 @@
 #include "scene/scene_edit.h"
 
 #include "core/nearest_word.h"
-#include "scene/scene_json.h"
 #include "volcaustic/error.h"
 
 #include <algorithm>
@@ -25,11 +24,31 @@ struct Place {
   const Json* schema;
 };
 
-/// The schema of an object's alternative that has properties, where there are several.
-const Json& structured(const Json& schema) {
+/// For conditions that name keys, and values of keys.
+bool meets(const Json& value, const Json& condition) {
+  if (!value.is_object()) return false;
+  for (const Json& key : condition.at("required"))
+    if (!value.contains(key.get<std::string>())) return false;
+  if (const auto properties = condition.find("properties"); properties != condition.end())
+    for (const auto& [key, wanted] : properties->items())
+      if (value.at(key) != wanted.at("const")) return false;
+  return true;
+}
+
+/// What `schema` comes to for `value`: references are followed, and of alternatives the one is taken that has keys of
+/// its own, or whose condition the value meets.
+const Json& structured(const Json& schema, const Json& value, const Json& root) {
+  if (const auto reference = schema.find("$ref"); reference != schema.end()) {
+    const std::string name = reference->get<std::string>().substr(std::string_view("#/$defs/").size());
+    return structured(root.at("$defs").at(name), value, root);
+  }
   if (const auto alternatives = schema.find("oneOf"); alternatives != schema.end())
     for (const Json& alternative : *alternatives)
-      if (alternative.contains("properties")) return alternative;
+      if (alternative.contains("properties") || alternative.contains("$ref"))
+        return structured(alternative, value, root);
+  if (const auto conditions = schema.find("allOf"); conditions != schema.end())
+    for (const Json& condition : *conditions)
+      if (meets(value, condition.at("if"))) return structured(condition.at("then"), value, root);
   return schema;
 }
 
@@ -46,18 +65,15 @@ std::optional<std::size_t> indexOf(const std::string& key) {
   return index;
 }
 
-/// Walks a document along the schema, and makes what is not there from the defaults of a scene.
+/// Walks a document along its schema, and makes what is not there from defaults.
 class Walk {
 public:
-  Walk(Json& document, const std::vector<std::string>& path)
-      : mValue(&document), mSchema(&sceneSchemaDocument()), mPath(path) {
-    static const Json kDefaults = sceneDocument({});
-    mDefaults = &kDefaults;
-  }
+  Walk(Json& document, const DocumentKind& kind, const std::vector<std::string>& path)
+      : mRoot(kind.schema), mValue(&document), mSchema(&kind.schema), mDefaults(&kind.defaults), mPath(path) {}
 
   Place end() {
     for (mDepth = 0; mDepth < mPath.size(); ++mDepth) {
-      mSchema = &structured(*mSchema);
+      mSchema = &structured(*mSchema, *mValue, mRoot);
       if (mSchema->contains("properties"))
         enterProperty();
       else if (const auto any = mSchema->find("additionalProperties"); any != mSchema->end())
@@ -95,6 +111,7 @@ private:
     if (property == properties.end()) throw NoSuchPlace{mDepth, nearestWord(key(), keysOf(properties)), "is not known"};
     makeContainer(Json::object());
     mDefaults = childDefault();
+    if (const auto stated = property->find("default"); !mDefaults && stated != property->end()) mDefaults = &*stated;
     if (!mValue->contains(key())) (*mValue)[key()] = mDefaults ? *mDefaults : Json();
     stepTo((*mValue)[key()], *property);
   }
@@ -120,6 +137,7 @@ private:
     stepTo((*mValue)[*index], schema);
   }
 
+  const Json& mRoot;
   Json* mValue;
   const Json* mSchema;
   const Json* mDefaults;
@@ -201,9 +219,7 @@ bool isContinuous(const Json& schema) {
   return schema.value("type", "") == "number";
 }
 
-} // namespace
-
-void applyAnimation(Json& document, double frame, const SceneSource& source) {
+void applyAnimation(Json& document, double frame, const DocumentKind& kind, const SceneSource& source) {
   const auto found = document.find("animation");
   if (found == document.end()) return;
   const Json animation = *found;
@@ -215,7 +231,7 @@ void applyAnimation(Json& document, double frame, const SceneSource& source) {
     const Track track(keys, pointer, source);
     const std::vector<std::string> path = pointerKeys(target);
     try {
-      const Place place = Walk(document, path).end();
+      const Place place = Walk(document, kind, path).end();
       if (!isContinuous(*place.schema)) source.fail(pointer, "only numbers that need not be whole can be animated");
       *place.value = track.at(frame);
     } catch (const NoSuchPlace& problem) {
@@ -224,7 +240,7 @@ void applyAnimation(Json& document, double frame, const SceneSource& source) {
   }
 }
 
-void applySet(Json& document, const std::string& set, SceneSource& source) {
+void applySet(Json& document, const std::string& set, const DocumentKind& kind, SceneSource& source) {
   const auto equals = set.find('=');
   if (equals == std::string::npos || equals == 0)
     throw Error(ErrorKind::Usage, "set " + set + ": has no value; write it as photons.grid=[512,512]");
@@ -234,13 +250,25 @@ void applySet(Json& document, const std::string& set, SceneSource& source) {
   Json value = Json::parse(text, nullptr, false);
   if (value.is_discarded()) value = text;
   try {
-    *Walk(document, path).end().value = std::move(value);
+    *Walk(document, kind, path).end().value = std::move(value);
   } catch (const NoSuchPlace& problem) {
     throw Error(ErrorKind::Usage, "set " + set + ": " + explanation(problem, path, "."));
   }
   std::string pointer;
   for (const std::string& key : path) pointer += "/" + pointerToken(key);
   source.sets.emplace_back(pointer, set);
+}
+
+} // namespace
+
+void applyEdits(Json& document, const std::vector<std::string>& sets, double frame, const DocumentKind& kind,
+                SceneSource& source) {
+  const auto setsTrack = [](const std::string& set) { return set.starts_with("animation"); };
+  for (const std::string& set : sets)
+    if (setsTrack(set)) applySet(document, set, kind, source);
+  applyAnimation(document, frame, kind, source);
+  for (const std::string& set : sets)
+    if (!setsTrack(set)) applySet(document, set, kind, source);
 }
 
 } // namespace volcaustic

@@ -1,4 +1,4 @@
-// Changes to a scene document before it is read: values set from outside and animation tracks.
+// Changes to a document before it is read: values set from outside and animation tracks.
 #pragma once
 
 #include "scene/json_document.h"
@@ -9,13 +9,18 @@
 
 namespace volcaustic {
 
-/// Replaces each animated value of the document by its track's value at `frame`, and removes the section "animation".
-/// Tracks are [frame, value] pairs in order of frame; linear in between, constant outside.
-/// \throws Error(Input) at the track's pointer.
-void applyAnimation(Json& document, double frame, const SceneSource& source);
+/// What a document may hold, and what it means where it says nothing.
+struct DocumentKind {
+  const Json& schema;   ///< JSON Schema, with what it refers to under $defs
+  const Json& defaults; ///< a document, as whole as can be
+};
 
-/// Applies "photons.grid=[512,512]" to the document and notes it in `source`.
-/// \throws Error(Usage) when there is no '=' or no such place; the message names the nearest known one.
-void applySet(Json& document, const std::string& set, SceneSource& source);
+/// Applies sets ("photons.grid=[512,512]") in order and notes them in `source`, and replaces each animated value by its
+/// track's value at `frame`; the section "animation" goes. Tracks are [frame, value] pairs in order of frame, linear in
+/// between, constant outside. They can be set too, and a value that is set wins over its track.
+/// \throws Error(Input) at a track's pointer; Error(Usage) for a set without '=' or with no such place, naming the
+/// nearest known one.
+void applyEdits(Json& document, const std::vector<std::string>& sets, double frame, const DocumentKind& kind,
+                SceneSource& source);
 
 } // namespace volcaustic

@@ -2,13 +2,11 @@
 // Reader, writer and schema are visitors of this one description.
 #pragma once
 
+#include "scene/scene_source.h"
 #include "volcaustic/options.h"
 #include "volcaustic/scene.h"
 
 namespace volcaustic {
-
-/// The version of the scene format that this library reads and writes, under the key "volcaustic".
-inline constexpr int kSceneVersion = 1;
 
 /// A visitor has three members: section(key, object, text) for an object, list(key, vector, text) for an array of
 /// objects, named(key, vector, text) for an object whose keys are the `name` of each element.

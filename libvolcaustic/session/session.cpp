@@ -1,11 +1,12 @@
 #include "volcaustic/session.h"
 
-#include "core/hash.h"
+#include "core/field_hash.h"
 #include "scene/scene_meshes.h"
 #include "transport/passes.h"
 #include "transport/picture.h"
 #include "volcaustic/error.h"
 #include "volcaustic/options.h"
+#include "volcaustic/shape_fields.h"
 #include "volcaustic/vdb.h"
 #include "volume/flatten.h"
 
@@ -18,36 +19,6 @@
 namespace volcaustic {
 
 namespace {
-
-/// A visitor of describe() that turns options into a key.
-class KeyVisitor {
-public:
-  explicit KeyVisitor(Hash& hash) : mHash(hash) {}
-  template <class T>
-  void operator()(const char* name, const T& value, const FieldDoc&) {
-    mHash.text(name);
-    add(value);
-  }
-
-private:
-  template <class T>
-  void add(const T& v) {
-    mHash.value(v);
-  }
-  template <class T, std::size_t N>
-  void add(const std::array<T, N>& v) {
-    mHash.values(std::span<const T>(v));
-  }
-  void add(const std::string& v) { mHash.text(v); }
-  void add(const std::filesystem::path& v) { mHash.text(v.string()); }
-
-  Hash& mHash;
-};
-
-template <class Options>
-void addOptions(Hash& hash, Options options) {
-  describe(KeyVisitor(hash), options);
-}
 
 std::uint64_t meshKey(const Mesh& mesh) {
   Hash h;
@@ -83,6 +54,12 @@ struct Session::State {
     std::shared_ptr<const Mesh> mesh;
   };
   std::map<std::filesystem::path, LoadedMesh> meshes; // as read, before placement
+  struct Triangulation {
+    Polygoniser polygoniser;
+    std::uint64_t key = 0;
+    std::shared_ptr<const Mesh> mesh; // in world space
+  };
+  std::map<std::size_t, Triangulation> triangulations; // by object: of a shape that moves little is made anew
   struct LoadedVolume {
     std::filesystem::file_time_type time;
     std::vector<std::string> names;
@@ -129,6 +106,9 @@ struct Session::State {
 
   static std::string nameOf(const SceneObject& object) {
     if (!object.name.empty()) return object.name;
+    if (!object.shape.empty())
+      return !object.shape.node().name.empty() ? object.shape.node().name
+                                               : kShapeTypes[object.shape.node().kind.index()];
     return (object.volumeFile.empty() ? object.meshFile : object.volumeFile).filename().string();
   }
 
@@ -138,7 +118,36 @@ struct Session::State {
     throw Error(ErrorKind::Input, "objects (" + nameOf(object) + "): no material is called '" + name + "'");
   }
 
+  /// The triangles of a shape that is an object, as the latest ones where that is what they are of.
+  std::shared_ptr<const Mesh> triangulated(const SceneObject& o, const Shape& placed) {
+    Triangulation& latest = triangulations[static_cast<std::size_t>(&o - scene.objects.data())];
+    Hash h;
+    h.value(shapeHash(placed));
+    addFields(h, o.polygonise);
+    if (!latest.mesh || latest.key != h.digest()) {
+      latest.mesh = std::make_shared<const Mesh>(latest.polygoniser.polygonise(placed, o.polygonise, ctx));
+      latest.key = h.digest();
+    }
+    return latest.mesh;
+  }
+
+  Body bodyOf(const SceneObject& o) {
+    Body body{nullptr, material(o.material, o), o.priority, nameOf(o)};
+    try {
+      const Shape placed = o.shape.placed(o.placement);
+      if (o.triangulate)
+        body.mesh = triangulated(o, placed);
+      else
+        body.shape = placed;
+    } catch (const Error& error) { // which knows no object
+      if (error.kind() != ErrorKind::Input) throw;
+      throw Error(ErrorKind::Input, "objects (" + body.name + "): " + error.what());
+    }
+    return body;
+  }
+
   std::vector<Body> bodiesOf(const SceneObject& o, SceneMeshReader& reader) {
+    if (!o.shape.empty()) return {bodyOf(o)};
     auto mesh = std::make_shared<const Mesh>(transformed(*load(o, reader).mesh, affine(o.placement)));
     std::vector<GroupMaterial> groups;
     for (const SceneGroup& g : o.groups) groups.push_back({g.name, material(g.material, o), o.priority + g.priority});
@@ -160,7 +169,7 @@ struct Session::State {
   void addReceivers(Hash& hash) {
     SceneMeshReader reader(ctx);
     for (const SceneReceiver& r : scene.receivers) {
-      addOptions(hash, r);
+      addFields(hash, r);
       if (r.mesh || !r.meshFile.empty()) hash.value(load(r, reader).key);
     }
   }
@@ -197,7 +206,7 @@ struct Session::State {
     Hash h;
     h.text("medium 2");
     const SceneVolume& v = scene.volume;
-    addOptions(h, v.ambient);
+    addFields(h, v.ambient);
     if (!v.file.empty()) {
       std::error_code ignored;
       const auto time = std::filesystem::last_write_time(v.file, ignored).time_since_epoch().count();
@@ -205,22 +214,27 @@ struct Session::State {
     }
     h.value(v.automatic).value(v.margin).value(v.resolution).value(v.voxelSize);
     h.values(std::span<const double>(v.bounds.min)).values(std::span<const double>(v.bounds.max));
-    addOptions(h, scene.voxelise);
+    addFields(h, scene.voxelise);
     SceneMeshReader reader(ctx);
     for (const SceneObject& o : scene.objects) {
       if (!o.visible) continue;
-      addOptions(h, o.placement);
+      addFields(h, o.placement);
       h.text(o.volumeFile.string());
       if (!o.volumeFile.empty()) {
         h.value(timeOf(o.volumeFile).time_since_epoch().count()).value(o.grids.size());
-        for (const PropertyGrid& p : o.grids) addOptions(h, p);
+        for (const PropertyGrid& p : o.grids) addFields(h, p);
         continue;
       }
-      addOptions(h, material(o.material, o));
-      h.value(o.priority).value(load(o, reader).key).value(o.groups.size());
+      addFields(h, material(o.material, o));
+      h.value(o.priority).value(shapeHash(o.shape)).value(o.triangulate);
+      if (!o.shape.empty()) {
+        if (o.triangulate) addFields(h, o.polygonise);
+        continue;
+      }
+      h.value(load(o, reader).key).value(o.groups.size());
       for (const SceneGroup& g : o.groups) {
         h.text(g.name).value(g.priority);
-        addOptions(h, material(g.material, o));
+        addFields(h, material(g.material, o));
       }
     }
     return h;
@@ -242,12 +256,12 @@ struct Session::State {
   const FlatMediumStorage& flattened() {
     Hash h;
     h.text("flatten 1").value(medium.key);
-    addOptions(h, scene.stepField);
+    addFields(h, scene.stepField);
     return ensure(flat, "stepField", h, [&] { return flattenMedium(*medium.result, scene.stepField, ctx); });
   }
 
   void addBackground(Hash& hash, Background b) const {
-    addOptions(hash, b);
+    addFields(hash, b);
     if (scene.background.image)
       for (const std::vector<float>& plane : b.image->planes) hash.values(std::span<const float>(plane));
     else if (b.image)
@@ -255,10 +269,18 @@ struct Session::State {
   }
 
   void addLight(Hash& hash, Light light) const {
-    addOptions(hash, light);
+    addFields(hash, light);
     if (light.type != LightType::Environment) return;
     light.environment.visible = true; // to the camera, of which light knows nothing
     addBackground(hash, light.environment);
+  }
+
+  static Box boundsOf(const Body& body) {
+    try {
+      return ShapeField(body.shape).bounds();
+    } catch (const Error& error) { // which knows no object
+      throw Error(error.kind(), "objects (" + body.name + "): " + error.what());
+    }
   }
 
   /// The scene's box, or that of bodies and volumes enlarged by the margin.
@@ -267,7 +289,10 @@ struct Session::State {
     Box box = volume.bounds;
     if (volume.automatic) {
       std::vector<Box> boxes;
-      for (const Body& b : bodies) boxes.push_back(bounds(*b.mesh));
+      for (const Body& b : bodies) {
+        const Box around = b.mesh ? bounds(*b.mesh) : boundsOf(b);
+        if (around.min != around.max) boxes.push_back(around); // a shape may have no inside
+      }
       for (const MediumVolume& v : placed)
         if (const auto around = bounds(*v.grids, v.placement)) boxes.push_back(*around);
       if (boxes.empty())
@@ -314,7 +339,7 @@ const PhotonResult& Session::photons() {
   const FlatMediumStorage& flat = s.flattened();
   Hash h;
   h.text("photons 1").value(s.flat.key).value(s.ctx.seed);
-  addOptions(h, s.scene.photons);
+  addFields(h, s.scene.photons);
   std::vector<Light> lights = s.scene.lights;
   for (Light& light : lights)
     if (light.type == LightType::Environment) light.environment = background();
@@ -331,10 +356,10 @@ const ViewResult& Session::view(const ViewObserver& observer) {
   const FlatMediumStorage& flat = s.flattened();
   Hash h;
   h.text("view 2").value(s.photons.key).value(s.flat.key);
-  addOptions(h, s.scene.camera);
+  addFields(h, s.scene.camera);
   const Background& behind = background();
   s.addBackground(h, behind);
-  addOptions(h, s.scene.view);
+  addFields(h, s.scene.view);
   return s.ensure(s.view, "view", h,
                   [&] { return renderView(m, flat, light, s.scene.camera, behind, s.scene.view, s.ctx, observer); });
 }

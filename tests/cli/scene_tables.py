@@ -5,6 +5,8 @@ import sys
 
 
 def kind(field):
+    if {"$ref": "#/$defs/shape"} in field.get("oneOf", []):
+        return "[node](shape_file.md#nodes) or string"
     if "oneOf" in field:
         return '`"auto"` or `{min, max}`'
     if "enum" in field:

@@ -81,7 +81,7 @@ class Schema(ProgramCase):
         self.assertEqual(attenuation["items"]["minimum"], 0)
         self.assertIn("[1/world]", attenuation["description"])
         alternatives = schema["properties"]["objects"]["items"]["anyOf"]
-        self.assertEqual([a["required"] for a in alternatives], [["mesh"], ["volume"]])
+        self.assertEqual([a["required"] for a in alternatives], [["mesh"], ["volume"], ["shape"]])
 
     def test_the_documentation_has_the_tables_of_the_schema(self):
         page = (DATA.parent / "docs" / "scene_file.md").read_text()

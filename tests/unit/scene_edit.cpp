@@ -39,6 +39,7 @@ TEST(SceneSet, ReplacesAndMakesValues) {
   EXPECT_EQ(parse({"photons.grid=[512,256]"}).photons.grid, (std::array<int, 2>{512, 256}));
   EXPECT_EQ(parse({"photons.grid.1=7"}).photons.grid, (std::array<int, 2>{1024, 7})) << "the rest keeps its default";
   EXPECT_EQ(parse({"lights.0.irradiance.2=9"}).lights[0].irradiance, (Rgb{1, 2, 9}));
+  EXPECT_EQ(parse({"objects.0.scale.1=2"}).objects[0].placement.scale, (Vec3d{1, 2, 1})) << "in lists, too";
   EXPECT_EQ(parse({"materials.glass.index=1.7"}).materials[0].index, 1.7);
   EXPECT_EQ(parse({"photons.scheme=euler"}).photons.scheme, Scheme::Euler) << "a bare word is a string";
   EXPECT_EQ(parse({"objects.1.mesh=c d.obj"}).objects[1].meshFile, "c d.obj");

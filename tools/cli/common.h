@@ -115,6 +115,7 @@ private:
 /// The commands, by file.
 void addMeshToVdbCommand(CLI::App& app, Action& action);
 void addVdbToMeshCommand(CLI::App& app, Action& action);
+void addShapeToMeshCommand(CLI::App& app, Action& action);
 void addRenderCommands(CLI::App& app, Action& action);
 void addInfoCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action);

@@ -5,7 +5,12 @@
 
 namespace volcaustic::cli {
 
-enum class FileKind { Volume, Image, Mesh, Scene };
+enum class FileKind {
+  Volume,
+  Image,
+  Mesh,
+  Scene ///< or a shape: .json too
+};
 
 /// \throws Error(File) when it cannot be read, Error(Input) when it is none of them.
 FileKind fileKind(const std::string& path);

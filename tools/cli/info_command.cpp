@@ -1,6 +1,8 @@
-// info: what is in volumes, images, meshes and scenes.
+// info: what is in volumes, images, meshes, scenes and shapes.
 #include "file_kind.h"
 #include "info_report.h"
+
+#include <volcaustic/shape_file.h>
 
 #include <fmt/format.h>
 
@@ -14,7 +16,7 @@ struct Info {
 };
 
 void declareInfo(CLI::App& command, Info& o) {
-  command.add_option("FILE", o.files, "volumes, images, meshes or scenes")->required();
+  command.add_option("FILE", o.files, "volumes, images, meshes, scenes or shapes")->required();
   command.footer(
       "Tables on standard output; --verbose adds the grids' metadata and the rows of long tables, --json has "
       "everything. A file that cannot be read is one line on standard error and exit status 3; the others get "
@@ -32,7 +34,7 @@ Json infoOf(const std::string& file, Job& job) {
   case FileKind::Scene:
     break;
   }
-  return sceneInfo(file, job);
+  return isShapeFile(file) ? shapeInfo(file, job) : sceneInfo(file, job);
 }
 
 /// "5 files: 3 meshes (2 closed), 1 volume, 1 not readable"
@@ -49,6 +51,7 @@ std::string summary(const Json& files) {
   add(count("kind", "volume"), "volume", "volumes");
   add(count("kind", "image"), "image", "images");
   add(count("kind", "scene"), "scene", "scenes");
+  add(count("kind", "shape"), "shape", "shapes");
   add(std::count_if(files.begin(), files.end(), [](const Json& f) { return f.contains("error"); }), "not readable",
       "not readable");
   return fmt::format("{} files: {}", files.size(), text);
@@ -72,7 +75,7 @@ int runInfo(const Info& o) {
 } // namespace
 
 void addInfoCommand(CLI::App& app, Action& action) {
-  addCommand<Info>(app, action, "info", "what is in volumes, images, meshes and scenes", declareInfo, runInfo);
+  addCommand<Info>(app, action, "info", "what is in volumes, images, meshes, scenes and shapes", declareInfo, runInfo);
 }
 
 } // namespace volcaustic::cli

@@ -10,5 +10,6 @@ Json meshInfo(const std::string& path, Job& job);
 Json volumeInfo(const std::string& path, Job& job);
 Json imageInfo(const std::string& path, Job& job);
 Json sceneInfo(const std::string& path, Job& job);
+Json shapeInfo(const std::string& path, Job& job);
 
 } // namespace volcaustic::cli

@@ -4,6 +4,7 @@
 
 #include <volcaustic/options.h>
 #include <volcaustic/scene.h>
+#include <volcaustic/shape_fields.h>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -48,16 +49,17 @@ std::string gridsText(const SceneObject& o) {
 
 void printObjects(const Scene& scene) {
   TextTable objects({{"object", Left},
-                     {"mesh or volume", Left},
+                     {"mesh, volume or shape", Left},
                      {"material", Left},
                      {"priority"},
                      {"visible", Left},
                      {"groups", Left}});
   for (const SceneObject& o : scene.objects) {
     const bool isVolume = !o.volumeFile.empty();
-    objects.add({plain(o.name), plain((isVolume ? o.volumeFile : o.meshFile).string(), 80),
-                 isVolume ? gridsText(o) : plain(o.material), fmt::format("{}", o.priority), o.visible ? "yes" : "no",
-                 groupsText(o)});
+    const std::string what =
+        o.shape.empty() ? (isVolume ? o.volumeFile : o.meshFile).string() : kShapeTypes[o.shape.node().kind.index()];
+    objects.add({plain(o.name), plain(what, 80), isVolume ? gridsText(o) : plain(o.material),
+                 fmt::format("{}", o.priority), o.visible ? "yes" : "no", groupsText(o)});
   }
   if (!scene.objects.empty()) fmt::print("{}", objects.text("  "));
   TextTable materials(

@@ -64,6 +64,7 @@ int run(int argc, char** argv) {
   Action action;
   addMeshToVdbCommand(app, action);
   addVdbToMeshCommand(app, action);
+  addShapeToMeshCommand(app, action);
   addRenderCommands(app, action);
   addInfoCommand(app, action);
   addCompareCommand(app, action);

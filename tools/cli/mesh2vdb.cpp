@@ -9,6 +9,7 @@
 
 #include <volcaustic/mesh.h>
 #include <volcaustic/session.h>
+#include <volcaustic/shape_file.h>
 
 #include <algorithm>
 #include <cmath>
@@ -29,17 +30,17 @@ struct Conversion {
 /// An input and the volumes that it becomes: one, or one for each frame.
 struct Sequence {
   std::string input;
-  bool isScene = false;
+  bool isShape = false, isScene = false;
   std::vector<Conversion> conversions;
 };
 
 bool isScene(const std::string& input) {
   const std::string extension = std::filesystem::path(input).extension().string();
-  return input != "-" && (extension == ".json" || extension == ".gltf" || extension == ".glb");
+  return input != "-" && !isShapeFile(input) && (extension == ".json" || extension == ".gltf" || extension == ".glb");
 }
 
 Sequence sequenceOf(const MeshToVdb& o, const std::string& input, const std::string& output) {
-  Sequence sequence{input, isScene(input), {}};
+  Sequence sequence{input, isShapeFile(input), isScene(input), {}};
   if (o.frames.empty()) {
     std::error_code ignored;
     if (hasFramePlace(output) || (hasFramePlace(input) && !std::filesystem::exists(input, ignored)))
@@ -49,12 +50,13 @@ Sequence sequenceOf(const MeshToVdb& o, const std::string& input, const std::str
     return sequence;
   }
   if (output == "-") throw Error(ErrorKind::Usage, "--frames: each frame needs a file; -o - is standard output");
-  if (!sequence.isScene && !hasFramePlace(input))
+  const bool isAnimated = sequence.isShape || sequence.isScene; // frames are in the file
+  if (!isAnimated && !hasFramePlace(input))
     throw Error(ErrorKind::Usage,
                 "--frames: " + input + " has no place for the frame's number; write it as name.####.obj");
   for (const int frame : parseFrames(o.frames))
     sequence.conversions.push_back(
-        {sequence.isScene ? input : withFrame(input, frame), withFrame(framePattern(output), frame), frame});
+        {isAnimated ? input : withFrame(input, frame), withFrame(framePattern(output), frame), frame});
   return sequence;
 }
 
@@ -65,10 +67,14 @@ std::vector<Sequence> plan(const MeshToVdb& o, bool json) {
     throw Error(ErrorKind::Usage, "--json: standard output is taken by -o -; write to a file");
   std::vector<Sequence> sequences;
   for (std::size_t i = 0; i < o.inputs.size(); ++i) sequences.push_back(sequenceOf(o, o.inputs[i], outputs[i]));
+  const auto shape = std::find_if(sequences.begin(), sequences.end(), [](const Sequence& s) { return s.isShape; });
   const auto scene = std::find_if(sequences.begin(), sequences.end(), [](const Sequence& s) { return s.isScene; });
-  if (scene == sequences.end() && (!o.scene.sets.empty() || o.scene.framesPerSecond))
-    throw Error(ErrorKind::Usage, std::string(o.scene.sets.empty() ? "--fps" : "--set") +
-                                      ": is for scenes, and there is none among the inputs");
+  if (scene == sequences.end() && shape == sequences.end() && !o.scene.sets.empty())
+    throw Error(ErrorKind::Usage, "--set: is for scenes and shapes, and there is none among the inputs");
+  if (scene == sequences.end() && o.scene.framesPerSecond)
+    throw Error(ErrorKind::Usage, "--fps: is for scenes, and there is none among the inputs");
+  if (shape != sequences.end() && !o.groups.empty())
+    throw Error(ErrorKind::Usage, "--group: is for meshes; make an object of a scene of each part of " + shape->input);
   if (scene != sequences.end())
     for (const CLI::Option* option : o.meshOptions)
       if (option->count() > 0)
@@ -115,7 +121,8 @@ public:
       std::optional<Session> session;
       for (const Conversion& conversion : sequence.conversions)
         convert(conversion, [&](Json& entry) {
-          return sequence.isScene ? sceneMedium(conversion, session, entry) : meshMedium(conversion, box, entry);
+          if (sequence.isScene) return sceneMedium(conversion, session, entry);
+          return sequence.isShape ? shapeMedium(conversion, box, entry) : meshMedium(conversion, box, entry);
         });
     }
   }
@@ -129,7 +136,8 @@ private:
       for (const Conversion& conversion : sequence.conversions) {
         const auto index = static_cast<double>(&conversion - sequence.conversions.data());
         mJob.context().progress("bounds", index / static_cast<double>(sequence.conversions.size()));
-        const Box box = bounds(readMesh(conversion.input, mJob.context()));
+        const Box box = sequence.isShape ? boundsOf(shapeOf(conversion), conversion.input)
+                                         : bounds(readMesh(conversion.input, mJob.context()));
         all = all ? united(*all, box) : box;
       }
       return *all;
@@ -168,6 +176,35 @@ private:
       ctx.warn(conversion.input + ": sticks out of --bounds; what is outside is cut off");
     const Domain domain = latticeOver(box ? *box : bounds(*mesh), conversion.input);
     return mJob.timed("medium", [&] { return buildMedium(bodies, Ambient{}, domain, mOptions.voxelise, ctx); });
+  }
+
+  [[nodiscard]] Shape shapeOf(const Conversion& conversion) const {
+    return readShape(conversion.input, {mOptions.scene.sets, static_cast<double>(conversion.frame.value_or(1))});
+  }
+
+  static Box boundsOf(const Shape& shape, const std::string& input) {
+    Box box;
+    try {
+      box = ShapeField(shape).bounds();
+    } catch (const Error& error) { // which knows no file
+      throw Error(error.kind(), input + ": " + error.what());
+    }
+    if (box.min == box.max)
+      throw Error(ErrorKind::Input, input + ": the shape has no inside; look at what is cut out of it");
+    return box;
+  }
+
+  Medium shapeMedium(const Conversion& conversion, const std::optional<Box>& box, Json& entry) {
+    const Shape shape = mJob.timed("read", [&] { return shapeOf(conversion); });
+    entry["shapeHash"] = fmt::format("{:016x}", shapeHash(shape));
+    const Box own = boundsOf(shape, conversion.input);
+    if (mBounds && !holds(*mBounds, own))
+      mJob.context().warn(conversion.input + ": sticks out of --bounds; what is outside is cut off");
+    const Domain domain = latticeOver(box ? *box : own, conversion.input);
+    const Body body{nullptr, mOptions.material, 0, conversion.input, shape};
+    return mJob.timed("medium", [&] {
+      return buildMedium(std::span(&body, 1), Ambient{}, domain, mOptions.voxelise, mJob.context());
+    });
   }
 
   Domain latticeOver(const Box& box, const std::string& input) {

@@ -36,9 +36,8 @@ void declareMeshOptions(CLI::App& command, MeshToVdb& o) {
 
 void declareMeshToVdb(CLI::App& command, MeshToVdb& o) {
   addFiles(command, o.inputs, o.outputs,
-           "meshes: .obj, .ply, .stl, .off, or - for one on standard input; or a scene (.json, .gltf, .glb), all of "
-           "whose bodies make "
-           "one volume",
+           "meshes: .obj, .ply, .stl, .off, or - for one on standard input; shape files (.json); or a scene (.json, "
+           ".gltf, .glb), all of whose bodies make one volume",
            "one .vdb or .nvdb for each input, a folder, a name with {} for the input's name, or - for standard output");
   const auto before = std::ssize(command.get_options());
   declareMeshOptions(command, o);
@@ -47,8 +46,9 @@ void declareMeshToVdb(CLI::App& command, MeshToVdb& o) {
   addFlags(command, o.write, {{"half"}, {}});
   addSceneFlags(command, o.scene, true);
   command.add_option("--frames", o.frames,
-                     "A-B[xS]: a sequence, the frame's number in the place of #### or %04d in IN and OUT; all frames "
-                     "of a mesh get one lattice, around all of them or --bounds");
+                     "A-B[xS]: a sequence, the frame's number in the place of #### or %04d in IN and OUT (of "
+                     "shapes and scenes in OUT alone); all frames of a mesh or a shape get one lattice, around all of "
+                     "them or --bounds");
   command.add_flag("--resume", o.resume, "skip outputs that are there");
 }
 

@@ -3,6 +3,7 @@
 #include "scene_input.h"
 
 #include <volcaustic/scene.h>
+#include <volcaustic/shape_file.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -77,10 +78,16 @@ int runCheck(const SceneCheck& o) {
   return 0;
 }
 
-struct SceneSchema {};
+struct SceneSchema {
+  bool ofShapes = false;
+};
 
-int runSchema(const SceneSchema&) {
-  std::fputs(sceneSchema().c_str(), stdout);
+void declareSchema(CLI::App& command, SceneSchema& o) {
+  command.add_flag("--shape", o.ofShapes, "of shape files in place of scenes");
+}
+
+int runSchema(const SceneSchema& o) {
+  std::fputs((o.ofShapes ? shapeSchema() : sceneSchema()).c_str(), stdout);
   return 0;
 }
 
@@ -109,8 +116,8 @@ void addSceneCommands(CLI::App& app, Action& action) {
   scene->require_subcommand(1);
   addCommand<SceneCheck>(*scene, action, "check", "validate scene files and the files they name", declareCheck,
                          runCheck);
-  addCommand<SceneSchema>(
-      *scene, action, "schema", "print the JSON Schema of scene files", [](CLI::App&, SceneSchema&) {}, runSchema);
+  addCommand<SceneSchema>(*scene, action, "schema", "print the JSON Schema of scene files, or of shape files",
+                          declareSchema, runSchema);
   addCommand<SceneNew>(*scene, action, "new", "print a commented scene to start from", declareNew, runNew);
 }
 

@@ -222,6 +222,19 @@ void describe(Visitor&& visit, PropertyGrid& p) {
 }
 
 template <class Visitor>
+void describe(Visitor&& visit, PolygoniseOptions& o) {
+  visit("resolution", o.resolution,
+        FieldDoc{"cells along the longest side of a shape, for its triangles; 128 where this and all that follows are 0",
+                 "", 0, 32768});
+  visit("cellSize", o.cellSize,
+        FieldDoc{"edge of a cell of the triangles; above 0 it replaces the resolution", "world", 0, 1e12});
+  visit("tolerance", o.tolerance,
+        FieldDoc{"greatest distance between triangles and the shape; 0 takes what the cells give", "world", 0, 1e12});
+  visit("triangles", o.triangles,
+        FieldDoc{"at most as many, and nearly as many where nothing else is given; 0 is no limit", "", 0, 1e9});
+}
+
+template <class Visitor>
 void describe(Visitor&& visit, SceneObject& o) {
   visit("name", o.name, FieldDoc{"for messages"});
   visit(
@@ -237,6 +250,11 @@ void describe(Visitor&& visit, SceneObject& o) {
         FieldDoc{.text = ".vdb or .nvdb file in place of a mesh: smoke, hot air; relative to this file",
                  .alternative = true});
   visit("grids", o.grids, FieldDoc{"what grids of the volume are in the medium"});
+  visit("shape", o.shape,
+        FieldDoc{.text = "functional object in place of a mesh: a node, or a shape file, relative to this file",
+                 .alternative = true});
+  visit("triangulate", o.triangulate, FieldDoc{"make voxels of triangles of the shape, not of the shape itself"});
+  describe(visit, o.polygonise);
 }
 
 template <class Visitor>

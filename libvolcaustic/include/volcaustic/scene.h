@@ -6,7 +6,10 @@
 #include "volcaustic/medium.h"
 #include "volcaustic/medium_volume.h"
 #include "volcaustic/photons.h"
+#include "volcaustic/placement.h"
+#include "volcaustic/polygonise.h"
 #include "volcaustic/run_context.h"
+#include "volcaustic/shape.h"
 #include "volcaustic/types.h"
 #include "volcaustic/view.h"
 
@@ -29,16 +32,6 @@ struct SceneVolume {
   std::filesystem::path file; ///< a .vdb with an `index` grid that replaces objects and box
 };
 
-/// Shear, then scale, then rotate about x, y and z in that order (degrees), then translate: every affine placement that
-/// flattens nothing.
-struct Placement {
-  Vec3d translate{0, 0, 0};
-  Vec3d rotate{0, 0, 0};
-  Vec3d scale{1, 1, 1};
-  Vec3d shear{0, 0, 0}; ///< added to x for each y, to x for each z, to y for each z
-};
-VOLCAUSTIC_API Affine affine(const Placement& placement);
-
 /// What the triangles of one group of an object's mesh enclose (bodiesByGroup).
 struct SceneGroup {
   std::string name;               ///< one of Mesh::groupNames
@@ -58,6 +51,9 @@ struct SceneObject {
   std::vector<SceneGroup> groups;   ///< `material` is for all groups that are not listed
   std::filesystem::path volumeFile; ///< .vdb or .nvdb in place of a mesh; material and priority have no meaning then
   std::vector<PropertyGrid> grids;  ///< what the volume's grids are
+  Shape shape;                      ///< a functional object in place of a mesh, where it is not empty
+  bool triangulate = false;         ///< voxelise triangles of the shape, not the shape itself
+  PolygoniseOptions polygonise;     ///< what triangles
 };
 
 /// An opaque diffuse surface that light falls on: a floor, a wall, a statue (Receiver in receivers.h).
