@@ -1,5 +1,4 @@
-// The scenes of `volcaustic bench`: stand-ins for figures 5, 6, 7 and 9 of VD with the paper's counts, and a glass
-// ball.
+// The scenes of `volcaustic bench`: data/scenes/paper, which is built into the program, and a glass ball.
 #pragma once
 
 #include <volcaustic/scene.h>
@@ -23,12 +22,12 @@ struct PaperFigures {
   double total, framesPerSecond;
 };
 
-/// Shapes stand on the ground of the unit cube, which is the domain; the counts hold at 256 voxels along its edge.
+/// The domain is the unit cube; the counts hold at 256 voxels along its edge.
 struct BenchScene {
   std::string name;          ///< as --scene takes it
   const PaperFigures* paper; ///< null for scenes that the paper does not have
-  std::vector<Body> bodies;  ///< world space
-  Light light;
+  Scene scene;               ///< its shapes polygonised: objects hold meshes in memory, in world space
+  std::vector<Body> bodies;  ///< the same meshes
 };
 
 /// Their names: the paper's four first, in its order, then "ball".
@@ -36,7 +35,7 @@ std::span<const char* const> benchSceneNames();
 /// How many of them are the paper's.
 inline constexpr int kPaperScenes = 4;
 
-/// Builds the scene's meshes. \throws Error(Usage) for a name that is not in benchSceneNames().
+/// Reads the scene and polygonises its shapes. \throws Error(Usage) for a name that is not in benchSceneNames().
 BenchScene benchScene(const std::string& name);
 
 struct BenchSize {
@@ -45,7 +44,7 @@ struct BenchSize {
   bool fog = false;     ///< the box is filled with a thin scattering fog
 };
 
-/// The scene as a Session takes it, camera and all.
+/// The scene at this size, camera and all.
 Scene sessionScene(const BenchScene& scene, const BenchSize& size);
 
 } // namespace volcaustic::cli
