@@ -75,15 +75,14 @@ std::uint32_t* ShapeScratch::parts(std::size_t depth) {
 /// One run of a program over a batch, with what is asked for beside the values.
 class ShapeRun {
 public:
-  enum class Wanted { Values, Signs, Gradients, Parts };
+  enum class Wanted { Values, Gradients, Parts };
 
   ShapeRun(const ShapeProgram& program, const ShapePoints& points, ShapeScratch& scratch, Wanted wanted)
       : mProgram(program)
       , mPoints(points)
       , mNumbers(scratch.numbers(program.mDepth))
       , mParts(wanted == Wanted::Parts ? scratch.parts(program.mDepth) : nullptr)
-      , mGradients(wanted == Wanted::Gradients)
-      , mSigns(wanted == Wanted::Signs && program.mKeepsSigns) {
+      , mGradients(wanted == Wanted::Gradients) {
     for (const ShapeProgram::Instruction& at : program.mCode) step(at);
   }
 
@@ -108,7 +107,7 @@ private:
       push(at.part);
       return;
     case Op::Quadric:
-      putQuadric(at);
+      mProgram.mTables->quadrics[at.index].evaluate(mPoints, mProgram.deviationsOf(at), valuesAt(mLevel));
       push(at.part);
       return;
     case Op::Negate:
@@ -121,13 +120,6 @@ private:
       --mLevel;
       join(at);
     }
-  }
-  void putQuadric(const ShapeProgram::Instruction& at) {
-    const PlacedQuadric& quadric = mProgram.mTables->quadrics[at.index];
-    if (mSigns)
-      quadric.signs(mPoints, mProgram.deviationsOf(at), row(mLevel, 0));
-    else
-      quadric.evaluate(mPoints, mProgram.deviationsOf(at), valuesAt(mLevel));
   }
   void push(std::uint32_t part) {
     if (mParts) std::fill_n(mParts + mLevel * kShapeBatch, mPoints.count, part);
@@ -163,7 +155,7 @@ private:
   const ShapePoints& mPoints;
   double* mNumbers;
   std::uint32_t* mParts;
-  const bool mGradients, mSigns;
+  const bool mGradients;
   std::size_t mLevel = 0;
 };
 
@@ -178,15 +170,6 @@ void ShapeProgram::values(const ShapePoints& points, double* values, ShapeScratc
   }
   const ShapeRun run(*this, points, scratch, ShapeRun::Wanted::Values);
   std::copy_n(run.row(0, 0), points.count, values);
-}
-
-void ShapeProgram::signs(const ShapePoints& points, double* signs, ShapeScratch& scratch) const {
-  if (empty()) {
-    std::fill_n(signs, points.count, -1.0);
-    return;
-  }
-  const ShapeRun run(*this, points, scratch, ShapeRun::Wanted::Signs);
-  std::copy_n(run.row(0, 0), points.count, signs);
 }
 
 void ShapeProgram::gradients(const ShapePoints& points, const ShapeValues& values, ShapeScratch& scratch) const {
@@ -305,13 +288,11 @@ void ShapeProgram::keep(std::size_t i, const ShapeProgram& from, const Box& box,
 void ShapeProgram::finish() {
   std::uint32_t level = 0;
   mDepth = 0;
-  mKeepsSigns = true;
   for (const Instruction& at : mCode) {
     if (at.op == Op::Function || at.op == Op::Quadric)
       mDepth = std::max(mDepth, ++level);
     else if (at.op != Op::Negate && at.op != Op::AddConstant)
       --level;
-    mKeepsSigns &= at.op <= Op::Minimum || at.op == Op::Negate;
   }
 }
 

@@ -47,8 +47,6 @@ public:
 
   /// Values at points of world space, positive inside. The value at a point does not depend on the other points.
   void values(const ShapePoints& points, double* values, ShapeScratch& scratch) const;
-  /// Numbers that are 0 or more where values are, and below where they are below.
-  void signs(const ShapePoints& points, double* signs, ShapeScratch& scratch) const;
   /// Values and gradients.
   void gradients(const ShapePoints& points, const ShapeValues& values, ShapeScratch& scratch) const;
   /// Of the part that makes the surface next to each point: an index into partNames().
@@ -92,7 +90,6 @@ private:
   std::vector<Instruction> mCode; // each after what it works on
   std::vector<std::uint32_t> mDeviations;
   std::uint32_t mDepth = 0; // of the stack
-  bool mKeepsSigns = true;  // no instruction looks at more of a number than its sign, or which of two is greater
   std::shared_ptr<const Tables> mTables;
 };
 

@@ -212,12 +212,27 @@ FormBounds boundsOf(const QuadraticForm& f, const Box& box) {
   return bounds;
 }
 
+/// By its principal minors, which lose no digits where eigenvalues are zero as those of cylinders and slabs are.
+bool fallsOff(const Symmetric3& a) {
+  constexpr double kSlack = 1e-14;
+  for (int i = 0; i < 3; ++i) {
+    const double x = entry(a, i, i), y = entry(a, (i + 1) % 3, (i + 1) % 3), xy = entry(a, i, (i + 1) % 3);
+    if (x > 0 || x * y - xy * xy < -kSlack * x * y) return false;
+  }
+  const double terms[] = {a[0] * a[1] * a[2], 2 * a[3] * a[4] * a[5], -a[0] * a[4] * a[4], -a[1] * a[5] * a[5],
+                          -a[2] * a[3] * a[3]};
+  double determinant = 0, size = 0;
+  for (const double term : terms) {
+    determinant += term;
+    size += std::abs(term);
+  }
+  return determinant <= kSlack * size;
+}
+
 /// Of forms that fall off to all sides of where their gradient vanishes, their value there.
 double greatestOf(const QuadraticForm& f) {
-  const std::array<double, 3> values = eigenvalues(f.a);
   const bool isSlanted = f.b[0] != 0 || f.b[1] != 0 || f.b[2] != 0;
-  const bool rises = values[0] > 1e-12 * std::abs(values[2]);
-  return isSlanted || rises ? std::numeric_limits<double>::infinity() : std::max(f.c, 0.0);
+  return isSlanted || !fallsOff(f.a) ? std::numeric_limits<double>::infinity() : std::max(f.c, 0.0);
 }
 
 double distanceLike(double f, double g, double l2) { return f / std::sqrt(std::sqrt(g * g + l2 * f * f + kTiny)); }
@@ -266,14 +281,6 @@ void PlacedQuadric::evaluate(const ShapePoints& pWorld, std::span<const std::uin
     addCurvature(mRegions[i].form, mRegions[i].weight, mRegions[i].greatest, pWorld, sums, hx.data(), hy.data(),
                  hz.data());
   gradients(mCurvature, sums, pWorld.count, hx.data(), hy.data(), hz.data(), values);
-}
-
-void PlacedQuadric::signs(const ShapePoints& pWorld, std::span<const std::uint32_t> active, double* signs) const {
-  BatchNumbers x, y, z;
-  const Sums sums{signs, x.data(), y.data(), z.data()};
-  startSums(mForm, pWorld, sums);
-  for (const std::uint32_t i : active)
-    addDeviation(mRegions[i].form, mRegions[i].weight, mRegions[i].greatest, pWorld, sums);
 }
 
 Interval PlacedQuadric::bound(const Box& world, std::span<const std::uint32_t> active) const {

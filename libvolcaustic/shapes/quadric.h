@@ -38,8 +38,6 @@ public:
   [[nodiscard]] std::size_t deviationCount() const { return mRegions.size(); }
   /// \param active the deviations that are not zero all over, in order
   void evaluate(const ShapePoints& pWorld, std::span<const std::uint32_t> active, const ShapeValues& values) const;
-  /// Where F >= 0: numbers of the signs of values, at half their cost.
-  void signs(const ShapePoints& pWorld, std::span<const std::uint32_t> active, double* signs) const;
   [[nodiscard]] Interval bound(const Box& world, std::span<const std::uint32_t> active) const;
   /// Whether deviation `i` is zero all over the box.
   [[nodiscard]] bool vanishes(std::uint32_t i, const Box& world) const;

@@ -56,7 +56,9 @@ void addBody(DeviceMediumBuilder& builder, const Body& body, const Domain& domai
              const RunContext& ctx) {
   if (!body.shape.empty()) {
     const CoveragePatch patch = voxeliseBody(body, domain, options.supersample, options.fill, ctx);
-    builder.add(countsOf(patch, options.supersample), pointOf(body.material));
+    // Its coverage has no steps of its own: those of the counts are to be fine.
+    constexpr int kFinestCounts = 8;
+    builder.add(countsOf(patch, kFinestCounts), pointOf(body.material));
     return;
   }
   const SampledBody sampled(body, domain, options.supersample, options.fill, ctx);

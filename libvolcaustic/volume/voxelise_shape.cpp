@@ -35,9 +35,11 @@ VOLCAUSTIC_SIMD_CLONES void placeSamples(const double* __restrict offsets, doubl
                                          double* __restrict p) {
   for (int i = 0; i < count; ++i) p[i] = corner + offsets[i];
 }
-VOLCAUSTIC_SIMD_CLONES int countInside(const double* signs, int count) {
-  int inside = 0;
-  for (int i = 0; i < count; ++i) inside += signs[i] >= 0;
+/// Sum of the parts of sub-voxels that are inside: of one that the surface crosses, as a plane at the value's distance
+/// from its sample does that faces an axis.
+VOLCAUSTIC_SIMD_CLONES double sumInside(const double* values, double subVoxels, int count) {
+  double inside = 0;
+  for (int i = 0; i < count; ++i) inside += std::min(std::max(.5 + values[i] * subVoxels, 0.0), 1.0);
   return inside;
 }
 
@@ -79,7 +81,7 @@ private:
   struct Worker {
     ShapeScratch scratch;
     std::array<ShapeProgram, 64> programs; // one for each level of halving
-    BatchNumbers x, y, z, signs;
+    BatchNumbers x, y, z, values;
   };
 
   /// World box of cells of `edge` samples, its samples included.
@@ -97,12 +99,16 @@ private:
     return box;
   }
 
+  /// Beyond half a sub-voxel from the surface sub-voxels are whole.
+  [[nodiscard]] bool isInside(const Interval& bound) const { return bound.low * mLattice.scale >= .5; }
+  [[nodiscard]] bool isOutside(const Interval& bound) const { return bound.high * mLattice.scale <= -.5; }
+
   void coverBricks(const Cells& bricks, const ShapeProgram& program, std::size_t level, int slot) {
     Worker& worker = mWorkers[slot];
     ShapeProgram& here = worker.programs[level];
     const Interval bound = program.prune(boxOf(bricks, mLattice.brickSamples()), here, worker.scratch);
-    if (bound.high < 0) return;
-    if (bound.low >= 0) {
+    if (isOutside(bound)) return;
+    if (isInside(bound)) {
       fill(bricks);
     } else if (bricks.count() == 1) {
       BrickGrid<float>& coverage = mPatch.coverage;
@@ -134,8 +140,8 @@ private:
                    BrickVoxels& coverage) {
     ShapeProgram& here = worker.programs[level];
     const Interval bound = program.prune(boxOf(voxels, 1 << mLattice.log2), here, worker.scratch);
-    if (bound.high < 0) return;
-    if (bound.low >= 0)
+    if (isOutside(bound)) return;
+    if (isInside(bound))
       forEachVoxel(voxels, [&](int x, int y, int z) { coverage[brickOffset(x, y, z)] = 1; });
     else if (voxels.size[0] <= kSampledEdge)
       sampleVoxels(voxels, here, worker, coverage);
@@ -163,18 +169,19 @@ private:
       corner[a] =
           mLattice.corner[a] + (mLattice.first[a] + double(voxels.first[a]) * (1 << mLattice.log2)) / mLattice.scale;
     const int shift = 3 * mLattice.log2, total = static_cast<int>(mOffsets[0].size());
-    std::array<int, kSampledEdge * kSampledEdge * kSampledEdge> inside{};
+    std::array<double, kSampledEdge * kSampledEdge * kSampledEdge> inside{};
     for (int begin = 0; begin < total; begin += kShapeBatch) {
       const int count = std::min(total - begin, kShapeBatch), run = std::min(1 << shift, kShapeBatch);
       placeSamples(mOffsets[0].data() + begin, corner[0], count, worker.x.data());
       placeSamples(mOffsets[1].data() + begin, corner[1], count, worker.y.data());
       placeSamples(mOffsets[2].data() + begin, corner[2], count, worker.z.data());
-      program.signs({worker.x.data(), worker.y.data(), worker.z.data(), count}, worker.signs.data(), worker.scratch);
-      for (int i = 0; i < count; i += run) inside[(begin + i) >> shift] += countInside(worker.signs.data() + i, run);
+      program.values({worker.x.data(), worker.y.data(), worker.z.data(), count}, worker.values.data(), worker.scratch);
+      for (int i = 0; i < count; i += run)
+        inside[(begin + i) >> shift] += sumInside(worker.values.data() + i, mLattice.scale, run);
     }
     int voxel = 0;
     forEachVoxel(voxels, [&](int x, int y, int z) {
-      coverage[brickOffset(x, y, z)] = static_cast<float>(inside[voxel++]) / static_cast<float>(1 << shift);
+      coverage[brickOffset(x, y, z)] = static_cast<float>(inside[voxel++] / (1 << shift));
     });
   }
 
@@ -221,7 +228,7 @@ CoveragePatch voxeliseShape(const Body& body, const Domain& domain, int supersam
     throw Error(error.kind(), place + ": " + error.what());
   }
   if (patch.coverage.occupied().empty())
-    ctx.warn(place + ": no sample of the domain is inside the shape; it is thinner than a sub-voxel or lies outside");
+    ctx.warn(place + ": nothing of the domain is inside the shape; it lies outside, or its parts leave nothing");
   return patch;
 }
 

@@ -118,19 +118,6 @@ TEST(ShapeFuzz, ProgramsCutToABoxGiveTheSameBitsInIt) {
   EXPECT_LT(left, whole / 2);
 }
 
-TEST(ShapeFuzz, SignsAreThoseOfValues) {
-  for (int seed = 0; seed < kTrees; ++seed) {
-    Random random(seed);
-    const ShapeProgram program(ShapeTrees(random).any());
-    ShapeScratch scratch;
-    const PointRows rows(random.points(cube(2), kShapeBatch));
-    BatchNumbers values, signs;
-    program.values(rows.batch(0), values.data(), scratch);
-    program.signs(rows.batch(0), signs.data(), scratch);
-    for (int i = 0; i < kShapeBatch; ++i) EXPECT_EQ(values[i] >= 0, signs[i] >= 0) << seed;
-  }
-}
-
 TEST(ShapeFuzz, GradientsAreDifferences) {
   int smooth = 0, points = 0;
   for (int seed = 0; seed < kTrees; ++seed) {

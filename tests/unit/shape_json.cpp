@@ -234,13 +234,15 @@ TEST(ShapeJson, BombsEndBeforeTheyGoOff) {
   }
   const std::string line = errorOf(fileWith(R"({"use": "d40"})", doubling + "}"));
   EXPECT_NE(line.find("a million"), std::string::npos) << line;
-  expectError(R"({"type": "array", "count": 1e9, "part": {"type": "sphere"}})", "/shape/count", "range");
-  expectError(R"({"type": "array", "count": 2000, "part": {"type": "array", "count": 2000, "part":
+  expectError(R"({"type": "array", "step": {}, "count": 1e9, "part": {"type": "sphere"}})", "/shape/count", "range");
+  expectError(
+      R"({"type": "array", "step": {}, "count": 2000, "part": {"type": "array", "step": {}, "count": 2000, "part":
       {"type": "sphere"}}})",
-              "/shape", "a million");
+      "/shape", "a million");
   std::string points = "[[0, 0]";
   for (int i = 1; i < 60000; ++i) points += ", [" + std::to_string(i) + ", 1]";
-  expectError(R"({"type": "array", "count": 1000, "part": {"type": "revolution", "points": )" + points + "]}}",
+  expectError(R"({"type": "array", "step": {}, "count": 1000, "part": {"type": "revolution", "points": )" + points +
+                  "]}}",
               "/shape", "a million");
   // A chain of definitions, each referring to the next one: deep, but not in the text.
   std::string chain = R"("shapes": {"c100000": {"type": "sphere"})";

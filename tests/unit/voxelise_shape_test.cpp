@@ -6,6 +6,7 @@
 #include "volcaustic/shape.h"
 #include "volume/voxelise_shape.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -93,8 +94,9 @@ TEST(VoxeliseShape, EveryVoxelIsWhatPlainSamplingGives) {
           }
       std::vector<double> values(points.size());
       field.values(points, values);
-      const auto inside = std::count_if(values.begin(), values.end(), [](double v) { return v >= 0; });
-      EXPECT_EQ(coverage, static_cast<float>(inside) / static_cast<float>(s * s * s)) << x << " " << y << " " << z;
+      double inside = 0;
+      for (const double v : values) inside += std::clamp(.5 + v * lattice.scale, 0.0, 1.0);
+      EXPECT_NEAR(coverage, inside / (s * s * s), 1e-6) << x << " " << y << " " << z;
       mixed += coverage > 0 && coverage < 1;
     });
     if (s > 1) {
@@ -112,14 +114,17 @@ TEST(VoxeliseShape, AgreesWithTheMeshOfTheSameBall) {
       voxeliseBody(bodyOf(Shape::sphere(1).translated({.1, .05, 0})), domain, 4, FillRule::Auto);
   std::vector<float> coverage;
   forEachVoxel(one, domain.dims, [&](int, int, int, float c) { coverage.push_back(c); });
-  std::size_t i = 0, equal = 0;
-  double worst = 0;
+  std::size_t i = 0, mixed = 0;
+  double worst = 0, difference = 0;
   forEachVoxel(other, domain.dims, [&](int, int, int, float c) {
-    worst = std::max(worst, double(std::abs(c - coverage[i])));
-    equal += c == coverage[i++];
+    const double off = std::abs(double(c) - coverage[i++]);
+    worst = std::max(worst, off);
+    difference += off;
+    mixed += c > 0 && c < 1;
   });
-  EXPECT_LE(worst, 2. / 64);
-  EXPECT_GT(double(equal), .995 * double(coverage.size()));
+  // The steps of a mesh's coverage are 1/64.
+  EXPECT_LE(worst, 6. / 64);
+  EXPECT_LE(difference, .8 / 64 * double(mixed));
 }
 
 TEST(VoxeliseShape, AgreesWithItsOwnTriangles) {
@@ -129,7 +134,7 @@ TEST(VoxeliseShape, AgreesWithItsOwnTriangles) {
                                     .2) -
                        Shape::cylinder(.25, 3).rotated({20, 0, 0}))
                           .rotated({10, 20, 30});
-  const double tolerance = .01 * domain.voxelSize;
+  const double tolerance = .03 * domain.voxelSize;
   const auto mesh = std::make_shared<const Mesh>(polygonise(shape, {.tolerance = tolerance}));
   const CoveragePatch triangles = voxeliseBody({mesh, {}, 0, "mesh"}, domain, 4, FillRule::Exact);
   const CoveragePatch direct = voxeliseShape(bodyOf(shape), domain, 4);
@@ -144,9 +149,9 @@ TEST(VoxeliseShape, AgreesWithItsOwnTriangles) {
     sum += c;
     mixed += c > 0 && c < 1;
   });
-  // A layer of a hundredth of a voxel over the surface holds a hundredth of the samples of the voxels on it.
+  // Steps of 1/64 of the triangles' coverage, and a layer of three hundredths of a voxel over the surface.
   EXPECT_LE(worst, 12. / 64);
-  EXPECT_LE(difference, .01 * double(mixed));
+  EXPECT_LE(difference, 1.5 / 64 * double(mixed));
   EXPECT_GT(sum, 5000);
 }
 
@@ -182,8 +187,9 @@ TEST(VoxeliseShape, EndlessAndEmptyShapesAreNamed) {
   std::string warning;
   RunContext ctx;
   ctx.onLog = [&](LogLevel, std::string_view line) { warning = line; };
-  voxeliseShape(bodyOf(Shape::sphere(1e-4).translated({.51, .52, .53})), domain, 4, ctx);
-  EXPECT_NE(warning.find("no sample"), std::string::npos) << warning;
+  voxeliseShape(bodyOf((Shape::sphere(.1) & Shape::sphere(.1).translated({.25, 0, 0})).translated({.5, .5, .5})),
+                domain, 4, ctx);
+  EXPECT_NE(warning.find("nothing of the domain"), std::string::npos) << warning;
 }
 
 } // namespace

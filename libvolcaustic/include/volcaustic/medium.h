@@ -55,8 +55,8 @@ struct StepFieldOptions {
   double attenuationTolerance = 0.01; ///< range of attenuation times voxel edge that still counts as constant
 };
 
-/// A closed body in world space, a mesh or a shape, and what it is made of. Where bodies overlap, the higher priority wins; of equal
-/// priorities, the later one.
+/// A closed body in world space, a mesh or a shape, and what it is made of. Where bodies overlap, the higher priority
+/// wins; of equal priorities, the later one.
 struct Body {
   std::shared_ptr<const Mesh> mesh;
   Material material;

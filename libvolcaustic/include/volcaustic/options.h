@@ -223,9 +223,10 @@ void describe(Visitor&& visit, PropertyGrid& p) {
 
 template <class Visitor>
 void describe(Visitor&& visit, PolygoniseOptions& o) {
-  visit("resolution", o.resolution,
-        FieldDoc{"cells along the longest side of a shape, for its triangles; 128 where this and all that follows are 0",
-                 "", 0, 32768});
+  visit(
+      "resolution", o.resolution,
+      FieldDoc{"cells along the longest side of a shape, for its triangles; 128 where this and all that follows are 0",
+               "", 0, 32768});
   visit("cellSize", o.cellSize,
         FieldDoc{"edge of a cell of the triangles; above 0 it replaces the resolution", "world", 0, 1e12});
   visit("tolerance", o.tolerance,
