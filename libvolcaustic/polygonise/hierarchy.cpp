@@ -88,9 +88,9 @@ bool latticeHolds(const Box& bounds, double cellSize) {
 std::vector<SurfaceBlock> surfaceBlocks(const ShapeProgram& program, const Box& bounds, double cellSize,
                                         const RunContext& ctx) {
   if (!latticeHolds(bounds, cellSize))
-    throw Error(ErrorKind::Input, "polygonise: cells of " + std::to_string(cellSize) +
-                                      " are more than 32768 along an axis, or the shape is more than 2^30 of them from "
-                                      "the origin; take larger ones, or move the shape");
+    throw Error(ErrorKind::Input,
+                "polygonise: cells that small are more than 32768 along an axis, or the shape is more "
+                "than 2^30 of them from the origin; take larger ones, or move the shape");
   int level = 0;
   std::vector<Cube> cubes = rootCubes(program, bounds, cellSize, level);
   std::vector<ShapeScratch> scratch(threadCount(ctx));

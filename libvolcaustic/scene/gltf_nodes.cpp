@@ -1,5 +1,7 @@
 #include "scene/gltf_nodes.h"
 
+#include "shapes/affine.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,16 +9,6 @@
 namespace volcaustic {
 
 namespace {
-
-Affine product(const Affine& a, const Affine& b) {
-  Affine c{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 4; ++j) {
-      c[i][j] = j == 3 ? a[i][3] : 0;
-      for (std::size_t k = 0; k < 3; ++k) c[i][j] += a[i][k] * b[k][j];
-    }
-  return c;
-}
 
 /// Of a unit quaternion.
 Affine rotated(const std::array<double, 4>& q) {

@@ -35,8 +35,8 @@ VOLCAUSTIC_SIMD_CLONES void placeSamples(const double* __restrict offsets, doubl
                                          double* __restrict p) {
   for (int i = 0; i < count; ++i) p[i] = corner + offsets[i];
 }
-/// Sum of the parts of sub-voxels that are inside: of one that the surface crosses, as a plane at the value's distance
-/// from its sample does that faces an axis.
+/// Sum of the parts of sub-voxels that are inside: of one that the surface crosses, as a plane does that faces an axis,
+/// at the value's distance from the middle.
 VOLCAUSTIC_SIMD_CLONES double sumInside(const double* values, double subVoxels, int count) {
   double inside = 0;
   for (int i = 0; i < count; ++i) inside += std::min(std::max(.5 + values[i] * subVoxels, 0.0), 1.0);
@@ -91,7 +91,7 @@ private:
       box.min[a] = mLattice.corner[a] + (mLattice.first[a] + double(cells.first[a]) * edge) / mLattice.scale;
       box.max[a] =
           mLattice.corner[a] + (mLattice.first[a] + double(cells.first[a] + cells.size[a]) * edge) / mLattice.scale;
-      // Samples lie at least 1/128 of a sub-voxel within; this is for roundings.
+      // Samples lie half a sub-voxel within; this is for roundings.
       const double slack = 1e-15 * std::max(std::abs(box.min[a]), std::abs(box.max[a]));
       box.min[a] -= slack;
       box.max[a] += slack;
@@ -193,7 +193,7 @@ private:
       for (int i = 0; i < s; ++i)
         for (int j = 0; j < s; ++j)
           for (int k = 0; k < s; ++k) {
-            const Vec3d at = mLattice.sample(x * s + i, y * s + j, z * s + k);
+            const Vec3d at{x * s + i + .5, y * s + j + .5, z * s + k + .5};
             for (int a = 0; a < 3; ++a) offsets[a].push_back(at[a] / mLattice.scale);
           }
     });
@@ -215,7 +215,7 @@ CoveragePatch voxeliseShape(const Body& body, const Domain& domain, int supersam
   CoveragePatch patch;
   try {
     const ShapeField field(body.shape);
-    const BrickRange range = bricksMet(field.bounds(), 0, domain);
+    const BrickRange range = bricksMet(field.bounds(), 1, domain); // sub-voxels beside the surface count in part
     if (range.empty()) return patch;
     patch.firstBrick = range.first;
     const SubLattice lattice = latticeOf(range, domain, supersample);

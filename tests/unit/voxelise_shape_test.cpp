@@ -87,7 +87,7 @@ TEST(VoxeliseShape, EveryVoxelIsWhatPlainSamplingGives) {
       for (int i = 0; i < s; ++i)
         for (int j = 0; j < s; ++j)
           for (int k = 0; k < s; ++k) {
-            const Vec3d at = lattice.sample(x * s + i, y * s + j, z * s + k);
+            const Vec3d at{x * s + i + .5, y * s + j + .5, z * s + k + .5};
             Vec3d p;
             for (int a = 0; a < 3; ++a) p[a] = lattice.corner[a] + at[a] / lattice.scale;
             points.push_back(p);
@@ -122,9 +122,9 @@ TEST(VoxeliseShape, AgreesWithTheMeshOfTheSameBall) {
     difference += off;
     mixed += c > 0 && c < 1;
   });
-  // The steps of a mesh's coverage are 1/64.
-  EXPECT_LE(worst, 6. / 64);
-  EXPECT_LE(difference, .8 / 64 * double(mixed));
+  // The mesh's coverage is a count of 64 samples, and off by a fiftieth in the mean.
+  EXPECT_LE(worst, 8. / 64);
+  EXPECT_LE(difference, .025 * double(mixed));
 }
 
 TEST(VoxeliseShape, AgreesWithItsOwnTriangles) {
@@ -149,10 +149,56 @@ TEST(VoxeliseShape, AgreesWithItsOwnTriangles) {
     sum += c;
     mixed += c > 0 && c < 1;
   });
-  // Steps of 1/64 of the triangles' coverage, and a layer of three hundredths of a voxel over the surface.
+  // The triangles' count of samples, and a layer of three hundredths of a voxel over the surface.
   EXPECT_LE(worst, 12. / 64);
-  EXPECT_LE(difference, 1.5 / 64 * double(mixed));
+  EXPECT_LE(difference, .03 * double(mixed));
   EXPECT_GT(sum, 5000);
+}
+
+TEST(VoxeliseShape, IsTrueOnACurvedSurface) {
+  const Domain domain = cube({-1.2, -1.2, -1.2}, 2.4, 48);
+  const CoveragePatch patch = voxeliseShape(bodyOf(Shape::sphere(1).translated({.1, .05, 0})), domain, 4);
+  double sum = 0, worst = 0;
+  int mixed = 0;
+  forEachVoxel(patch, domain.dims, [&](int x, int y, int z, float coverage) {
+    if (coverage == 0 || coverage == 1 || (x * 7 + y * 5 + z * 3) % 16 != 0) return;
+    constexpr int kFine = 32;
+    int inside = 0;
+    for (int i = 0; i < kFine; ++i)
+      for (int j = 0; j < kFine; ++j)
+        for (int k = 0; k < kFine; ++k) {
+          const auto at = [&](int voxel, int part) { return -1.2 + domain.voxelSize * (voxel + (part + .5) / kFine); };
+          inside += std::hypot(at(x, i) - .1, at(y, j) - .05, at(z, k)) <= 1;
+        }
+    const double off = std::abs(coverage - double(inside) / (kFine * kFine * kFine));
+    sum += off;
+    worst = std::max(worst, off);
+    ++mixed;
+  });
+  ASSERT_GT(mixed, 300);
+  EXPECT_LE(sum, .0015 * mixed);
+  EXPECT_LE(worst, .015);
+}
+
+TEST(VoxeliseShape, IsExactForFacesAlongTheAxes) {
+  const Domain domain = cube({0, 0, 0}, 32, 32);
+  for (const double shift : {0.0, .3, .5, .77}) { // beside borders of bricks, and on them
+    const Shape shape = Shape::cuboid({8, 8, 8}).translated({12 + shift, 20, 12});
+    const CoveragePatch patch = voxeliseShape(bodyOf(shape), domain, 4);
+    forEachVoxel(patch, domain.dims, [&](int x, int y, int z, float coverage) {
+      const double low = std::max(8 + shift, double(x)), high = std::min(16 + shift, x + 1.0);
+      const bool across = y >= 16 && y < 24 && z >= 8 && z < 16;
+      ASSERT_NEAR(coverage, across ? std::max(0.0, high - low) : 0, 1e-6) << shift << ": " << x << " " << y << " " << z;
+    });
+  }
+}
+
+TEST(VoxeliseShape, SubVoxelsBesideABorderOfBricksCount) {
+  // A sheet of which half a sub-voxel lies in the next brick.
+  const Domain domain = cube({0, 0, 0}, 32, 32);
+  const double h = .125;
+  EXPECT_NEAR(coveredVolume(Shape::cuboid({8, 8, 8 + 2 * h}).translated({12, 12, 12}), domain), 64 * (8 + 2 * h), 1e-3);
+  EXPECT_NEAR(coveredVolume(Shape::cuboid({6, 6, 8 - .02}).translated({12, 12, 12}), domain), 36 * (8 - .02), 1e-3);
 }
 
 TEST(VoxeliseShape, DoesNotDependOnThreads) {
