@@ -9,9 +9,9 @@ namespace volcaustic {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// One side's part of a call.
 struct Side {
@@ -19,22 +19,25 @@ struct Side {
   std::exception_ptr error;
 
   template <class Work>
-  void run(const Work& work) noexcept {
-    const auto start = Clock::now();
+  void run(const Work& work, double (*now)()) noexcept {
+    const double start = now();
     try {
       work();
     } catch (...) {
       error = std::current_exception();
     }
-    busy = secondsSince(start);
+    busy = now() - start;
   }
 };
 
 class HybridTracer final : public PhotonTracer {
 public:
   HybridTracer(std::unique_ptr<PhotonTracer> cpu, std::unique_ptr<PhotonTracer> other,
-               std::shared_ptr<HybridBalancer> balancer)
-      : mCpu(std::move(cpu)), mOther(std::move(other)), mBalancer(std::move(balancer)) {}
+               std::shared_ptr<HybridBalancer> balancer, double (*now)())
+      : mCpu(std::move(cpu))
+      , mOther(std::move(other))
+      , mBalancer(std::move(balancer))
+      , mNow(now ? now : steadySeconds) {}
 
   void emit(const kernels::EmissionFrame& frame, const kernels::RasterReach& reach, RowRange rows,
             const RasterCells& cells) override {
@@ -73,41 +76,38 @@ private:
   void split(RowRange rows, const Work& work) {
     const auto boundary = static_cast<std::int32_t>(rows.begin + mBalancer->cpuRows(rows.end - rows.begin));
     const RowRange cpuRows{rows.begin, boundary}, otherRows{boundary, rows.end};
-    const auto start = Clock::now();
     Side cpu, other;
     std::thread helper;
     if (otherRows.begin < otherRows.end)
       helper = std::thread([&] {
-        other.run([&] {
-          work(*mOther, otherRows);
-          mOther->wait();
-        });
+        other.run(
+            [&] {
+              work(*mOther, otherRows);
+              mOther->wait();
+            },
+            mNow);
       });
-    double wait = 0;
-    if (cpuRows.begin < cpuRows.end) cpu.run([&] { work(*mCpu, cpuRows); });
-    if (helper.joinable()) {
-      const auto waiting = Clock::now();
-      helper.join();
-      wait = secondsSince(waiting);
-    }
+    if (cpuRows.begin < cpuRows.end) cpu.run([&] { work(*mCpu, cpuRows); }, mNow);
+    if (helper.joinable()) helper.join();
     for (const Side* side : {&cpu, &other})
       if (side->error) std::rethrow_exception(side->error);
-    mTimes.frame += secondsSince(start);
+    mTimes.frame += std::max(cpu.busy, other.busy); // both start at once
     mTimes.cpuBusy += cpu.busy;
-    mTimes.cpuWait += wait;
+    mTimes.cpuWait += std::max(other.busy - cpu.busy, 0.0);
     mTimes.otherBusy += other.busy;
   }
 
   std::unique_ptr<PhotonTracer> mCpu, mOther;
   std::shared_ptr<HybridBalancer> mBalancer;
+  double (*mNow)();
   FrameTimes mTimes; ///< since the balancer last heard
 };
 
 } // namespace
 
 std::unique_ptr<PhotonTracer> makeHybridTracer(std::unique_ptr<PhotonTracer> cpu, std::unique_ptr<PhotonTracer> other,
-                                               std::shared_ptr<HybridBalancer> balancer) {
-  return std::make_unique<HybridTracer>(std::move(cpu), std::move(other), std::move(balancer));
+                                               std::shared_ptr<HybridBalancer> balancer, double (*now)()) {
+  return std::make_unique<HybridTracer>(std::move(cpu), std::move(other), std::move(balancer), now);
 }
 
 } // namespace volcaustic
