@@ -47,6 +47,23 @@ class Meshes(ProgramCase):
         parts = cube(9, 1) + cube(1, 9).replace("f 9 11 12 10", "f 10 12 11 9")
         self.assertIn("misoriented", self.succeed("info", self.write("two.obj", parts)).stdout)
 
+    def test_where_a_surface_runs_through_itself(self):
+        sound = self.write("nested.obj", cube(2, 1) + cube(1, 9))
+        self.assertIn("through itself nowhere", self.succeed("info", "--self-intersections", sound).stdout)
+        self.assertNotIn("selfIntersections", self.entry(sound))
+        # The second cube reaches out of a face of the first: 4 of its walls cross two triangles at least.
+        shifted = "\n".join(f"v {float(x) + 1.5} {y} {z}" for _, x, y, z in
+                            (line.split() for line in cube(1, 1).splitlines() if line.startswith("v ")))
+        faces = "\n".join(line for line in cube(1, 9).splitlines() if line.startswith("f "))
+        mesh = self.write("through.obj", cube(2, 1) + shifted + "\n" + faces + "\n")
+        found = self.report("info", "--self-intersections", mesh)["files"][0]["selfIntersections"]
+        self.assertGreaterEqual(found["pairs"], 8)
+        self.assertEqual(len(found["examples"]), found["pairs"])
+        self.assertEqual(found["bounds"]["max"][0], 2.5)
+        text = self.succeed("info", "--self-intersections", mesh).stdout
+        self.assertIn(f"through itself {found['pairs']} pairs of triangles, in (", text)
+        self.assertIn("{} and {}".format(*found["examples"][0]), text)
+
     def test_groups_with_their_triangles(self):
         mesh = self.write("goblet.obj", cube(2, 1, "usemtl glass") + cube(1, 9, "usemtl red wine"))
         glass, wine = self.entry(mesh)["groups"]

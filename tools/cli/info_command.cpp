@@ -13,24 +13,27 @@ namespace {
 struct Info {
   CommonOptions common;
   std::vector<std::string> files;
+  bool selfIntersections = false;
 };
 
 void declareInfo(CLI::App& command, Info& o) {
   command.add_option("FILE", o.files, "volumes, images, meshes, scenes or shapes")->required();
+  command.add_flag("--self-intersections", o.selfIntersections,
+                   "of meshes also where the surface runs through itself: pairs of triangles, and their box");
   command.footer(
       "Tables on standard output; --verbose adds the grids' metadata and the rows of long tables, --json has "
       "everything. A file that cannot be read is one line on standard error and exit status 3; the others get "
       "their turn. A mesh's \"--fill auto\" is the rule that mesh2vdb would take, and why.");
 }
 
-Json infoOf(const std::string& file, Job& job) {
+Json infoOf(const std::string& file, const Info& o, Job& job) {
   switch (fileKind(file)) {
   case FileKind::Volume:
     return volumeInfo(file, job);
   case FileKind::Image:
     return imageInfo(file, job);
   case FileKind::Mesh:
-    return meshInfo(file, job);
+    return meshInfo(file, o.selfIntersections, job);
   case FileKind::Scene:
     break;
   }
@@ -64,7 +67,7 @@ int runInfo(const Info& o) {
     job.addInput(file);
     Json entry{{"file", file}};
     if (!files.empty() && !job.json()) fmt::print("\n");
-    job.attempt(entry, [&] { entry.update(infoOf(file, job)); });
+    job.attempt(entry, [&] { entry.update(infoOf(file, o, job)); });
     files.push_back(std::move(entry));
   }
   if (o.files.size() > 1 && !job.json()) fmt::print("\n{}\n", summary(files));

@@ -3,6 +3,7 @@
 #include "surface_report.h"
 #include "text_table.h"
 
+#include <volcaustic/deform.h>
 #include <volcaustic/mesh.h>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@ namespace volcaustic::cli {
 namespace {
 
 constexpr std::size_t kShownRows = 16; // of a table, unless --verbose asks for all
+constexpr std::size_t kShownPairs = 4; // of triangles, likewise
 
 std::string vec(const Vec3d& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]); }
 
@@ -79,6 +81,25 @@ void printMesh(const std::string& path, const MeshReport& r, const Json& groups,
   printGroups(groups, all);
 }
 
+void printSelfIntersections(const SelfIntersections& found, bool all) {
+  if (!found.any()) {
+    fmt::print("  through itself nowhere\n");
+    return;
+  }
+  fmt::print("  through itself {} pairs of triangles, in {} to {}\n", found.pairs, vec(found.bounds.min),
+             vec(found.bounds.max));
+  const std::size_t shown = all ? found.examples.size() : std::min(found.examples.size(), kShownPairs);
+  for (std::size_t i = 0; i < shown; ++i)
+    fmt::print("                 {} and {}\n", found.examples[i][0], found.examples[i][1]);
+  printOmitted(found.pairs - shown, "pairs", all);
+}
+
+Json selfIntersectionReport(const SelfIntersections& found) {
+  Json report{{"pairs", found.pairs}, {"examples", found.examples}};
+  if (found.any()) report["bounds"] = {{"min", found.bounds.min}, {"max", found.bounds.max}};
+  return report;
+}
+
 /// A group with a material of its own is a body of its own, so it should close.
 Json groupReport(const Mesh& mesh, const RunContext& ctx) {
   Json groups = Json::array();
@@ -96,7 +117,7 @@ Json groupReport(const Mesh& mesh, const RunContext& ctx) {
 
 } // namespace
 
-Json meshInfo(const std::string& path, Job& job) {
+Json meshInfo(const std::string& path, bool selfIntersections, Job& job) {
   const Mesh mesh = readMesh(path, job.context());
   const MeshReport report = checkMesh(mesh, job.context());
   Json groups = groupReport(mesh, job.context());
@@ -104,6 +125,11 @@ Json meshInfo(const std::string& path, Job& job) {
   Json entry{{"kind", "mesh"}};
   entry.update(surfaceReport(report));
   entry["groups"] = std::move(groups);
+  if (selfIntersections) {
+    const SelfIntersections found = findSelfIntersections(mesh, job.context());
+    if (!job.json()) printSelfIntersections(found, job.console().isVerbose());
+    entry["selfIntersections"] = selfIntersectionReport(found);
+  }
   return entry;
 }
 

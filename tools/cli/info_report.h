@@ -6,7 +6,8 @@
 
 namespace volcaustic::cli {
 
-Json meshInfo(const std::string& path, Job& job);
+/// \param selfIntersections look for them, too: it costs more than all else that is said of a mesh
+Json meshInfo(const std::string& path, bool selfIntersections, Job& job);
 Json volumeInfo(const std::string& path, Job& job);
 Json imageInfo(const std::string& path, Job& job);
 Json sceneInfo(const std::string& path, Job& job);
