@@ -16,7 +16,7 @@ configure_package_config_file(cmake/volcausticConfig.cmake.in ${CMAKE_CURRENT_BI
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/volcausticConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(EXPORT volcausticTargets NAMESPACE volcaustic:: DESTINATION ${package_dir})
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/volcausticConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/volcausticConfigVersion.cmake
-              cmake/VolcausticFindOpenVDB.cmake
+              cmake/VolcausticFindBullet.cmake cmake/VolcausticFindOpenVDB.cmake
         DESTINATION ${package_dir})
 
 # pkg-config. OpenVDB and OpenMesh have no usable .pc file in Debian, so they are named as libraries. A static library
@@ -38,6 +38,9 @@ volcaustic_pc_library(VOLCAUSTIC_PC_LIBS OpenVDB::openvdb openvdb)
 if(VOLCAUSTIC_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
   string(APPEND VOLCAUSTIC_PC_REQUIRES " OpenEXR blosc zlib")
   volcaustic_pc_library(VOLCAUSTIC_PC_LIBS OpenMeshCore OpenMeshCore)
+  foreach(name BulletDynamics BulletCollision LinearMath)
+    volcaustic_pc_library(VOLCAUSTIC_PC_LIBS Bullet::${name} ${name})
+  endforeach()
   if(VOLCAUSTIC_HAS_CUDA)
     volcaustic_pc_library(VOLCAUSTIC_PC_LIBS CUDA::cudart_static cudart_static)
     string(APPEND VOLCAUSTIC_PC_LIBS " -lrt")
