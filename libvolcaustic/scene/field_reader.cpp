@@ -71,7 +71,7 @@ void FieldReader::read(const Json& json, std::filesystem::path& value, const Fie
   std::string text;
   read(json, text, doc, pointer);
   if (doc.required && text.empty()) mSource.fail(pointer, std::string("is empty; give the ") + doc.text);
-  value = text.empty() ? std::filesystem::path() : (mSource.folder / text).lexically_normal();
+  value = text.empty() ? std::filesystem::path() : mSource.pathOf(text);
 }
 
 void FieldReader::read(const Json& json, AutomaticBox& value, const FieldDoc& doc, const std::string& pointer) const {

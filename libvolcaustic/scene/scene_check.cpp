@@ -62,6 +62,24 @@ void checkGroups(const SceneObject& object, const std::vector<std::string>& mate
   }
 }
 
+void checkDeformation(const SceneObject& object, const std::string& pointer, const SceneSource& source) {
+  if (!object.volumeFile.empty()) {
+    if (!object.deform.empty())
+      source.fail(pointer + "/deform", "deforms surfaces, which a volume has none of; remove it");
+    if (object.topology.topology != Topology::Free)
+      source.fail(pointer + "/topology", "is that of surfaces, which a volume has none of; remove it");
+  }
+  for (std::size_t i = 0; i < object.deform.size(); ++i) {
+    const Deformer& d = object.deform[i];
+    const std::string here = pointer + "/deform/" + std::to_string(i);
+    if (!(d.radius > 0)) source.fail(here + "/radius", "must be above 0: it says which vertices are meant");
+    if (d.type == DeformerType::Twist && dot(d.direction, d.direction) == 0)
+      source.fail(here + "/direction", "has no length; give the axis of the twist, as [0, 0, 1]");
+    if (d.type == DeformerType::Smooth && !(d.strength >= 0 && d.strength <= 1))
+      source.fail(here + "/strength", excerpt(d.strength) + " is not a part of smooth; give 0 to 1");
+  }
+}
+
 /// Which grids there are, only the file knows.
 void checkVolumeObject(const SceneObject& object, const std::string& pointer, const SceneSource& source) {
   if (!object.meshFile.empty()) source.fail(pointer + "/volume", "stands beside a mesh; make two objects of them");
@@ -112,6 +130,7 @@ void checkObjects(const Scene& scene, const SceneSource& source) {
       checkMeshObject(object, names, pointer, source);
     else
       checkVolumeObject(object, pointer, source);
+    checkDeformation(object, pointer, source);
     for (int axis = 0; axis < 3; ++axis)
       if (object.placement.scale[axis] == 0)
         source.fail(pointer + "/scale/" + std::to_string(axis), "0 makes the object flat; give another value");
@@ -174,6 +193,8 @@ void checkScene(const Scene& scene, const SceneSource& source) {
   if (scene.photons.maxStep < scene.photons.minStep)
     source.fail("/photons/maxStep", "must not be below minStep; raise it or lower the other");
   checkCamera(scene.camera, source);
+  if (scene.frames.last < scene.frames.first)
+    source.fail("/frames/last", "is before the first; give at least " + std::to_string(scene.frames.first));
   if (dot(scene.background.up, scene.background.up) == 0)
     source.fail("/background/up", "has no length; give a direction, as [0, 0, 1]");
 }

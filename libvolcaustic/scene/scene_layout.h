@@ -23,6 +23,7 @@ void describeScene(Visitor&& visit, Scene& scene) {
   visit.section("camera", scene.camera, "where the picture is taken from");
   visit.section("background", scene.background, "what is around the box: a gradient, or a map of all directions");
   visit.section("view", scene.view, "the camera pass");
+  visit.section("frames", scene.frames, "the frames of the animation");
 }
 
 } // namespace volcaustic

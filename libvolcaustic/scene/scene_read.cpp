@@ -59,6 +59,7 @@ private:
 /// A frame's scene of a document, which is checked with what was set from outside.
 Scene sceneOf(Json document, SceneSource source, const SceneReadOptions& options) {
   static const Json kDefaults = sceneDocument({});
+  source.frame = options.frame;
   applyEdits(document, options.sets, options.frame, {sceneSchemaDocument(), kDefaults}, source);
 
   ShapeFiles files(options.frame);

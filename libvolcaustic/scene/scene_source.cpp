@@ -1,11 +1,21 @@
 #include "scene/scene_source.h"
 
 #include "volcaustic/error.h"
+#include "volcaustic/frames.h"
 
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <system_error>
 
 namespace volcaustic {
+
+std::filesystem::path SceneSource::pathOf(const std::string& text) const {
+  const std::filesystem::path path = (folder / text).lexically_normal();
+  std::error_code ignored;
+  if (!hasFramePlace(path.string()) || std::filesystem::exists(path, ignored)) return path;
+  return withFrame(path.string(), static_cast<int>(std::lround(frame)));
+}
 
 void SceneSource::fail(std::string_view pointer, const std::string& what) const {
   for (auto set = sets.rbegin(); set != sets.rend(); ++set)

@@ -17,7 +17,11 @@ struct SceneSource {
   std::string name;                                      ///< of the file, as messages start with it
   std::filesystem::path folder;                          ///< relative paths are taken from here
   std::vector<std::pair<std::string, std::string>> sets; ///< JSON pointer and text of what was set from outside
+  double frame = 1;                                      ///< whose number takes the place for it in paths
   ShapeReader* shapes = nullptr; ///< reads the shapes in it, which may refer to each other and to other files
+
+  /// A path of the document: from its folder, with the frame's number in the place for it, unless a file is called so.
+  [[nodiscard]] std::filesystem::path pathOf(const std::string& text) const;
 
   /// \throws Error(Input) "name:pointer: what", or Error(Usage) "set ...: what" when the place was set from outside:
   /// then the file is not at fault.

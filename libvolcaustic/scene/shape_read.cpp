@@ -41,6 +41,7 @@ private:
 
 Shape shapeOf(Json document, SceneSource source, const std::vector<std::string>& sets, ShapeFiles& files) {
   static const Json kDefaults = Json::object();
+  source.frame = files.frame;
   applyEdits(document, sets, files.frame, {shapeSchemaDocument(), kDefaults}, source);
   rejectUnknownKeys(document, {"volcaustic", "$schema", kShapesKey, "shape", "animation"}, "", source);
   ShapeReader reader(document, source, files);
@@ -197,7 +198,7 @@ const Shape& ShapeReader::definition(const std::string& name, const std::string&
 }
 
 const Shape& ShapeReader::file(const std::string& name, const std::string& pointer) {
-  const std::filesystem::path path = (mSource.folder / name).lexically_normal();
+  const std::filesystem::path path = mSource.pathOf(name);
   std::error_code ignored;
   const std::filesystem::path key = std::filesystem::weakly_canonical(path, ignored);
   if (const auto known = mFiles.made.find(key); known != mFiles.made.end()) return known->second;

@@ -1,157 +1,247 @@
 #include "volcaustic/session.h"
 
-#include "core/field_hash.h"
-#include "scene/scene_meshes.h"
+#include "session/result_files.h"
+#include "session/scene_medium.h"
+#include "session/stage.h"
+#include "session/surfaces.h"
 #include "transport/passes.h"
 #include "transport/picture.h"
 #include "volcaustic/error.h"
-#include "volcaustic/options.h"
 #include "volcaustic/shape_fields.h"
 #include "volcaustic/vdb.h"
 #include "volume/flatten.h"
 
 #include <algorithm>
 #include <chrono>
-#include <map>
-#include <optional>
 #include <utility>
 
 namespace volcaustic {
 
 namespace {
 
-std::uint64_t meshKey(const Mesh& mesh) {
+using Clock = std::chrono::steady_clock;
+
+/// Of stages whose results are not kept in files.
+struct NoFiles {
+  std::nullptr_t read(const StageKey&) const { return nullptr; }
+  template <class Result>
+  void write(const StageKey&, const Result&) const {}
+};
+
+std::uint64_t imageKey(const Image& image) {
   Hash h;
-  h.value(mesh.positions.size()).bytes(mesh.positions.data(), mesh.positions.size() * sizeof mesh.positions[0]);
-  h.value(mesh.triangles.size()).bytes(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
-  h.values(std::span<const std::uint32_t>(mesh.triangleGroup)).value(mesh.groupNames.size());
-  for (const std::string& name : mesh.groupNames) h.text(name);
+  for (const std::vector<float>& plane : image.planes) h.values(std::span<const float>(plane));
   return h.digest();
 }
-
-/// A stage's latest result and what it was made from.
-template <class Result>
-struct Stage {
-  std::uint64_t key = 0;
-  std::optional<Result> result;
-};
 
 } // namespace
 
 struct Session::State {
   Scene scene;
   RunContext ctx;
+  SessionOptions options;
   std::vector<StageRun> runs;
-  Stage<Medium> medium;
-  Stage<FlatMediumStorage> flat;
-  Stage<PhotonResult> photons;
-  Stage<ViewResult> view;
+  SceneFiles files;
+  Surfaces surfaces;
+  Stage<Medium> mediumStage;
+  Stage<FlatMediumStorage> flatStage;
+  Stage<PhotonResult> photonStage;
+  Stage<ViewResult> viewStage;
   std::shared_ptr<TracerState> tracers = std::make_shared<TracerState>();
-  bool foreignRadiance = false; // photons.result came from setRadiance
-  struct LoadedMesh {
-    std::filesystem::file_time_type time;
-    std::uint64_t key;
-    std::shared_ptr<const Mesh> mesh;
-  };
-  std::map<std::filesystem::path, LoadedMesh> meshes; // as read, before placement
-  struct Triangulation {
-    Polygoniser polygoniser;
-    std::uint64_t key = 0;
-    std::shared_ptr<const Mesh> mesh; // in world space
-  };
-  std::map<std::size_t, Triangulation> triangulations; // by object: of a shape that moves little is made anew
-  struct LoadedVolume {
-    std::filesystem::file_time_type time;
-    std::vector<std::string> names;
-    std::shared_ptr<const VolumeGrids> grids;
-  };
-  std::map<std::filesystem::path, LoadedVolume> volumes; // of this scene alone: they are large
+  std::shared_ptr<const PhotonResult> foreignPhotons; // of setRadiance
+  std::uint64_t foreignCount = 0;
 
-  Background background; // of the last call of Session::background()
-  std::filesystem::file_time_type backgroundTime;
-
-  /// Runs `run` when the stage's key has changed, and books the time.
-  template <class Result, class Run>
-  const Result& ensure(Stage<Result>& stage, const char* name, const Hash& hash, const Run& run) {
-    const std::uint64_t key = hash.digest();
-    if (stage.result && stage.key == key) return *stage.result;
-    stage.result.reset(); // frees the old volume before the new one is made
-    const auto start = std::chrono::steady_clock::now();
-    stage.result.emplace(run());
-    stage.key = key;
-    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    runs.push_back({name, hash.hex(), ms.count()});
-    return *stage.result;
+  void book(const std::string& name, const StageKey& key, std::vector<std::string> because, Clock::time_point start,
+            bool fromDisk) {
+    const std::chrono::duration<double, std::milli> ms = Clock::now() - start;
+    runs.push_back({name, key.hex(), ms.count(), std::move(because), fromDisk});
   }
 
-  /// The mesh of an object or a receiver.
-  template <class Holder>
-  const LoadedMesh& load(const Holder& object, SceneMeshReader& reader) {
-    if (object.mesh) {
-      // A mesh in memory may change behind its pointer, so it is hashed afresh.
-      LoadedMesh& entry = meshes["memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(object.mesh.get()))];
-      entry = {{}, meshKey(*object.mesh), object.mesh};
-      return entry;
+  /// The result of the key where it is there, in memory or on the disk; else null.
+  template <class Result, class Files = NoFiles>
+  std::shared_ptr<const Result> recall(Stage<Result>& stage, const std::string& name, const StageKey& key,
+                                       const Files& stored = {}) {
+    if (auto known = stage.find(key)) {
+      stage.ask(key);
+      return known;
     }
-    std::error_code ignored;
-    const auto time = std::filesystem::last_write_time(sceneMeshFile(object.meshFile), ignored);
-    LoadedMesh& entry = meshes[object.meshFile];
-    if (!entry.mesh || entry.time != time) {
-      auto mesh = std::make_shared<const Mesh>(reader.read(object.meshFile));
-      const std::uint64_t key = meshKey(*mesh);
-      entry = {time, key, std::move(mesh)};
+    const auto start = Clock::now();
+    std::shared_ptr<const Result> read = stored.read(key);
+    if (!read) return nullptr;
+    book(name, key, stage.because(key), start, true);
+    return keep(stage, key, std::move(read));
+  }
+
+  /// Runs `make`, books the time and keeps the result.
+  template <class Result, class Make, class Files = NoFiles>
+  std::shared_ptr<const Result> run(Stage<Result>& stage, const std::string& name, const StageKey& key,
+                                    const Make& make, const Files& stored = {}) {
+    if (options.results <= 1) stage.makeRoom(1); // frees the old volume before the new one is made
+    const auto start = Clock::now();
+    auto result = std::make_shared<const Result>(make());
+    book(name, key, stage.because(key), start, false);
+    stored.write(key, *result);
+    return keep(stage, key, std::move(result));
+  }
+
+  template <class Result>
+  std::shared_ptr<const Result> keep(Stage<Result>& stage, const StageKey& key, std::shared_ptr<const Result> result) {
+    stage.makeRoom(static_cast<std::size_t>(std::max(options.results, 1)));
+    stage.ask(key);
+    return stage.keep(key, std::move(result));
+  }
+
+  template <class Result, class Make>
+  std::shared_ptr<const Result> ensure(Stage<Result>& stage, const std::string& name, const StageKey& key,
+                                       const Make& make) {
+    if (auto known = recall(stage, name, key)) return known;
+    return run(stage, name, key, make);
+  }
+
+  // Keys. Each is a function of the scene and its files; none runs a stage.
+
+  static std::string place(const char* list, std::size_t i) { return list + std::string("/") + std::to_string(i); }
+
+  void addObject(StageKey& key, std::size_t i, SceneMeshReader& reader) {
+    const SceneObject& o = scene.objects[i];
+    const std::string here = place("objects", i);
+    key.addFields(here, o.placement);
+    if (!o.volumeFile.empty()) {
+      key.add(here + "/volume", Hash().text(o.volumeFile.string()).value(timeTicks(o.volumeFile)));
+      for (std::size_t g = 0; g < o.grids.size(); ++g) key.addFields(here + "/" + place("grids", g), o.grids[g]);
+      return;
     }
-    return entry;
-  }
-
-  static std::string nameOf(const SceneObject& object) {
-    if (!object.name.empty()) return object.name;
-    if (!object.shape.empty())
-      return !object.shape.node().name.empty() ? object.shape.node().name
-                                               : kShapeTypes[object.shape.node().kind.index()];
-    return (object.volumeFile.empty() ? object.meshFile : object.volumeFile).filename().string();
-  }
-
-  const Material& material(const std::string& name, const SceneObject& object) const {
-    for (const Material& m : scene.materials)
-      if (m.name == name) return m;
-    throw Error(ErrorKind::Input, "objects (" + nameOf(object) + "): no material is called '" + name + "'");
-  }
-
-  /// The triangles of a shape that is an object, as the latest ones where that is what they are of.
-  std::shared_ptr<const Mesh> triangulated(const SceneObject& o, const Shape& placed) {
-    Triangulation& latest = triangulations[static_cast<std::size_t>(&o - scene.objects.data())];
-    Hash h;
-    h.value(shapeHash(placed));
-    addFields(h, o.polygonise);
-    if (!latest.mesh || latest.key != h.digest()) {
-      latest.mesh = std::make_shared<const Mesh>(latest.polygoniser.polygonise(placed, o.polygonise, ctx));
-      latest.key = h.digest();
+    key.addFields(here + "/material", materialOf(scene, o.material, o));
+    key.add(here + "/priority", Hash().value(o.priority));
+    if (hasSurfaceStage(o))
+      key.add(here + "/surface", Surfaces::key(o, files, reader));
+    else if (!o.shape.empty())
+      key.add(here + "/shape", shapeHash(o.shape));
+    else
+      key.add(here + "/mesh", files.mesh(o, reader).key);
+    for (std::size_t g = 0; g < o.groups.size(); ++g) {
+      const std::string group = here + "/" + place("groups", g);
+      key.add(group, Hash().text(o.groups[g].name).value(o.groups[g].priority));
+      key.addFields(group + "/material", materialOf(scene, o.groups[g].material, o));
     }
-    return latest.mesh;
   }
 
-  Body bodyOf(const SceneObject& o) {
-    Body body{nullptr, material(o.material, o), o.priority, nameOf(o)};
-    try {
-      const Shape placed = o.shape.placed(o.placement);
-      if (o.triangulate)
-        body.mesh = triangulated(o, placed);
-      else
-        body.shape = placed;
-    } catch (const Error& error) { // which knows no object
-      if (error.kind() != ErrorKind::Input) throw;
-      throw Error(ErrorKind::Input, "objects (" + body.name + "): " + error.what());
+  StageKey mediumKey() {
+    StageKey key("medium 3");
+    const SceneVolume& v = scene.volume;
+    key.addFields("volume", v.ambient);
+    if (!v.file.empty()) {
+      key.add("volume/file", Hash().text(v.file.string()).value(timeTicks(v.file)));
+      return key;
     }
-    return body;
+    Hash bounds;
+    bounds.value(v.automatic).value(v.automatic ? v.margin : 0);
+    if (!v.automatic)
+      bounds.values(std::span<const double>(v.bounds.min)).values(std::span<const double>(v.bounds.max));
+    key.add("volume/bounds", bounds);
+    key.add("volume/resolution", Hash().value(v.voxelSize > 0 ? 0 : v.resolution).value(v.voxelSize));
+    key.addFields("voxelise", scene.voxelise);
+    SceneMeshReader reader(ctx);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+      if (scene.objects[i].visible) addObject(key, i, reader);
+    files.dropUnused();
+    return key;
   }
 
-  std::vector<Body> bodiesOf(const SceneObject& o, SceneMeshReader& reader) {
-    if (!o.shape.empty()) return {bodyOf(o)};
-    auto mesh = std::make_shared<const Mesh>(transformed(*load(o, reader).mesh, affine(o.placement)));
-    std::vector<GroupMaterial> groups;
-    for (const SceneGroup& g : o.groups) groups.push_back({g.name, material(g.material, o), o.priority + g.priority});
-    return bodiesByGroup(std::move(mesh), material(o.material, o), o.priority, groups, nameOf(o), ctx);
+  StageKey flatKey(const StageKey& medium) const {
+    StageKey key("stepField 2");
+    key.add("medium", medium);
+    key.addFields("stepField", scene.stepField);
+    return key;
+  }
+
+  void addBackground(StageKey& key, const std::string& here, Background b) const {
+    key.addFields(here, b);
+    if (scene.background.image)
+      key.add(here + "/image", imageKey(*b.image));
+    else if (b.image)
+      key.add(here + "/file time", Hash().value(files.backgroundTime().time_since_epoch().count()));
+  }
+
+  StageKey photonKey(const StageKey& flat) {
+    StageKey key("photons 2");
+    if (foreignPhotons) {
+      key.add("radiance", foreignCount);
+      return key;
+    }
+    key.add("stepField", flat);
+    key.add("seed", ctx.seed);
+    key.add("device", Hash().text(ctx.device));
+    key.addFields("photons", scene.photons);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+      key.addFields(place("lights", i), scene.lights[i]);
+      if (scene.lights[i].type != LightType::Environment) continue;
+      Background shining = files.background(scene, ctx);
+      shining.visible = true; // to the camera, of which light knows nothing
+      addBackground(key, place("lights", i) + "/background", shining);
+    }
+    SceneMeshReader reader(ctx);
+    for (std::size_t i = 0; i < scene.receivers.size(); ++i) {
+      const SceneReceiver& r = scene.receivers[i];
+      key.addFields(place("receivers", i), r);
+      if (r.mesh || !r.meshFile.empty()) key.add(place("receivers", i) + "/mesh", files.mesh(r, reader).key);
+    }
+    return key;
+  }
+
+  StageKey viewKey(const StageKey& photons, const StageKey& flat) {
+    StageKey key("view 3");
+    key.add("photons", photons);
+    key.add("stepField", flat);
+    key.add("seed", ctx.seed);
+    key.addFields("camera", scene.camera);
+    addBackground(key, "background", files.background(scene, ctx));
+    key.addFields("view", scene.view);
+    return key;
+  }
+
+  // Stages.
+
+  Surface surface(std::size_t i, SceneMeshReader& reader) {
+    const SceneObject& o = scene.objects[i];
+    return *ensure(surfaces.stage(i), "surface", Surfaces::key(o, files, reader),
+                   [&] { return surfaces.make(i, o, files, reader, ctx); });
+  }
+
+  std::vector<Body> bodies() {
+    std::vector<Body> all;
+    SceneMeshReader reader(ctx);
+    surfaces.resize(scene.objects.size());
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+      const SceneObject& o = scene.objects[i];
+      if (!o.visible || !o.volumeFile.empty()) continue;
+      if (!o.shape.empty() && !hasSurfaceStage(o)) {
+        all.push_back(shapeBody(scene, o));
+        continue;
+      }
+      const Surface made = hasSurfaceStage(o) ? surface(i, reader) : Surface{files.mesh(o, reader).mesh, false};
+      for (Body& body : meshBodies(scene, o, placedMesh(made, o), ctx)) all.push_back(std::move(body));
+    }
+    return all;
+  }
+
+  Medium makeMedium(const std::vector<Body>& bodies) {
+    if (!scene.volume.file.empty()) return readMedium(scene.volume.file, ctx);
+    const std::vector<MediumVolume> volumes = files.volumes(scene, ctx);
+    return buildMedium(bodies, volumes, scene.volume.ambient, domainOf(scene.volume, bodies, volumes), scene.voxelise,
+                       ctx);
+  }
+
+  std::shared_ptr<const Medium> medium(const StageKey& key) {
+    // Surfaces are stages of their own: they run, and are booked, before the medium.
+    std::vector<Body> made;
+    if (!mediumStage.has(key) && scene.volume.file.empty()) made = bodies();
+    return ensure(mediumStage, "medium", key, [&] { return makeMedium(made); });
+  }
+
+  /// The medium made ready for the kernels; photons and view share it.
+  std::shared_ptr<const FlatMediumStorage> flat(const StageKey& key, const Medium& medium) {
+    return ensure(flatStage, "stepField", key, [&] { return flattenMedium(medium, scene.stepField, ctx); });
   }
 
   std::vector<Receiver> receivers() {
@@ -160,164 +250,50 @@ struct Session::State {
     for (const SceneReceiver& r : scene.receivers) {
       const std::string name = !r.name.empty() ? r.name : "receiver" + std::to_string(all.size());
       const bool square = !r.mesh && r.meshFile.empty();
-      all.push_back(
-          {name, square ? nullptr : load(r, reader).mesh, affine(r.placement), r.albedo, r.resolution, r.visible});
+      all.push_back({name, square ? nullptr : files.mesh(r, reader).mesh, affine(r.placement), r.albedo, r.resolution,
+                     r.visible});
     }
     return all;
   }
 
-  void addReceivers(Hash& hash) {
-    SceneMeshReader reader(ctx);
-    for (const SceneReceiver& r : scene.receivers) {
-      addFields(hash, r);
-      if (r.mesh || !r.meshFile.empty()) hash.value(load(r, reader).key);
-    }
+  /// Keys of the stages that a picture needs, each made of those before it.
+  struct Keys {
+    explicit Keys(State& s)
+        : medium(s.mediumKey()), flat(s.flatKey(medium)), photons(s.photonKey(flat)), view(s.viewKey(photons, flat)) {}
+    StageKey medium, flat, photons, view;
+  };
+
+  std::shared_ptr<const PhotonResult> photons(const StageKey& mediumKey, const StageKey& flatKey, const StageKey& key) {
+    if (foreignPhotons) return foreignPhotons;
+    const PhotonFiles stored(options.cache, ctx, [this] { return receivers(); });
+    if (auto known = recall(photonStage, "photons", key, stored)) return known;
+    const auto m = medium(mediumKey);
+    const auto f = flat(flatKey, *m);
+    std::vector<Light> lights = scene.lights;
+    for (Light& light : lights)
+      if (light.type == LightType::Environment) light.environment = files.background(scene, ctx);
+    return run(
+        photonStage, "photons", key,
+        [&] { return tracePhotons(*m, *f, lights, receivers(), scene.photons, ctx, tracers); }, stored);
   }
 
-  static std::filesystem::file_time_type timeOf(const std::filesystem::path& file) {
-    std::error_code ignored;
-    return std::filesystem::last_write_time(file, ignored);
-  }
-
-  /// The scene's volumes; files that did not change are not read again.
-  std::vector<MediumVolume> mediumVolumes() {
-    std::map<std::filesystem::path, LoadedVolume> before = std::exchange(volumes, {});
-    for (const SceneObject& o : scene.objects)
-      if (o.visible && !o.volumeFile.empty())
-        for (const PropertyGrid& p : o.grids) volumes[o.volumeFile].names.push_back(p.mapping.grid);
-    for (auto& [file, loaded] : volumes) {
-      loaded.time = timeOf(file);
-      const auto old = before.find(file);
-      if (old != before.end() && old->second.time == loaded.time && old->second.names == loaded.names)
-        loaded.grids = std::move(old->second.grids);
-    }
-    before.clear(); // before the new ones take memory
-    for (auto& [file, loaded] : volumes)
-      if (!loaded.grids) loaded.grids = readVolumeGrids(file, loaded.names, ctx);
-
-    std::vector<MediumVolume> placed;
-    for (const SceneObject& o : scene.objects)
-      if (o.visible && !o.volumeFile.empty())
-        placed.push_back({volumes[o.volumeFile].grids, o.grids, affine(o.placement), "objects (" + nameOf(o) + ")"});
-    return placed;
-  }
-
-  [[nodiscard]] Hash mediumKey() {
-    Hash h;
-    h.text("medium 2");
-    const SceneVolume& v = scene.volume;
-    addFields(h, v.ambient);
-    if (!v.file.empty()) {
-      std::error_code ignored;
-      const auto time = std::filesystem::last_write_time(v.file, ignored).time_since_epoch().count();
-      return h.text(v.file.string()).value(time);
-    }
-    h.value(v.automatic).value(v.margin).value(v.resolution).value(v.voxelSize);
-    h.values(std::span<const double>(v.bounds.min)).values(std::span<const double>(v.bounds.max));
-    addFields(h, scene.voxelise);
-    SceneMeshReader reader(ctx);
-    for (const SceneObject& o : scene.objects) {
-      if (!o.visible) continue;
-      addFields(h, o.placement);
-      h.text(o.volumeFile.string());
-      if (!o.volumeFile.empty()) {
-        h.value(timeOf(o.volumeFile).time_since_epoch().count()).value(o.grids.size());
-        for (const PropertyGrid& p : o.grids) addFields(h, p);
-        continue;
-      }
-      addFields(h, material(o.material, o));
-      h.value(o.priority).value(shapeHash(o.shape)).value(o.triangulate);
-      if (!o.shape.empty()) {
-        if (o.triangulate) addFields(h, o.polygonise);
-        continue;
-      }
-      h.value(load(o, reader).key).value(o.groups.size());
-      for (const SceneGroup& g : o.groups) {
-        h.text(g.name).value(g.priority);
-        addFields(h, material(g.material, o));
-      }
-    }
-    return h;
-  }
-
-  Medium buildScene() {
-    if (!scene.volume.file.empty()) return readMedium(scene.volume.file, ctx);
-    std::vector<Body> bodies;
-    SceneMeshReader reader(ctx);
-    for (const SceneObject& o : scene.objects) {
-      if (!o.visible || !o.volumeFile.empty()) continue;
-      for (Body& body : bodiesOf(o, reader)) bodies.push_back(std::move(body));
-    }
-    const std::vector<MediumVolume> placed = mediumVolumes();
-    return buildMedium(bodies, placed, scene.volume.ambient, domainOf(bodies, placed), scene.voxelise, ctx);
-  }
-
-  /// The medium made ready for the kernels; photons and view share it. `medium` must be current.
-  const FlatMediumStorage& flattened() {
-    Hash h;
-    h.text("flatten 1").value(medium.key);
-    addFields(h, scene.stepField);
-    return ensure(flat, "stepField", h, [&] { return flattenMedium(*medium.result, scene.stepField, ctx); });
-  }
-
-  void addBackground(Hash& hash, Background b) const {
-    addFields(hash, b);
-    if (scene.background.image)
-      for (const std::vector<float>& plane : b.image->planes) hash.values(std::span<const float>(plane));
-    else if (b.image)
-      hash.value(backgroundTime.time_since_epoch().count());
-  }
-
-  void addLight(Hash& hash, Light light) const {
-    addFields(hash, light);
-    if (light.type != LightType::Environment) return;
-    light.environment.visible = true; // to the camera, of which light knows nothing
-    addBackground(hash, light.environment);
-  }
-
-  static Box boundsOf(const Body& body) {
-    try {
-      return ShapeField(body.shape).bounds();
-    } catch (const Error& error) { // which knows no object
-      throw Error(error.kind(), "objects (" + body.name + "): " + error.what());
-    }
-  }
-
-  /// The scene's box, or that of bodies and volumes enlarged by the margin.
-  [[nodiscard]] Domain domainOf(const std::vector<Body>& bodies, const std::vector<MediumVolume>& placed) const {
-    const SceneVolume& volume = scene.volume;
-    Box box = volume.bounds;
-    if (volume.automatic) {
-      std::vector<Box> boxes;
-      for (const Body& b : bodies) {
-        const Box around = b.mesh ? bounds(*b.mesh) : boundsOf(b);
-        if (around.min != around.max) boxes.push_back(around); // a shape may have no inside
-      }
-      for (const MediumVolume& v : placed)
-        if (const auto around = bounds(*v.grids, v.placement)) boxes.push_back(*around);
-      if (boxes.empty())
-        throw Error(ErrorKind::Input,
-                    "volume.bounds: \"auto\" needs a visible object that is not empty; give min and max");
-      box = boxes.front();
-      for (const Box& other : boxes) {
-        for (int a = 0; a < 3; ++a) {
-          box.min[a] = std::min(box.min[a], other.min[a]);
-          box.max[a] = std::max(box.max[a], other.max[a]);
-        }
-      }
-      const double longest = std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
-      for (int a = 0; a < 3; ++a) {
-        box.min[a] -= volume.margin * longest;
-        box.max[a] += volume.margin * longest;
-      }
-    }
-    return domainAround(box, volume.resolution, volume.voxelSize, 0);
+  std::shared_ptr<const ViewResult> view(const Keys& keys, const ViewObserver& observer) {
+    const ViewFiles stored(options.cache, ctx);
+    if (auto known = recall(viewStage, "view", keys.view, stored)) return known;
+    const auto light = photons(keys.medium, keys.flat, keys.photons);
+    const auto m = medium(keys.medium);
+    const auto f = flat(keys.flat, *m);
+    const Background& behind = files.background(scene, ctx);
+    return run(
+        viewStage, "view", keys.view,
+        [&] { return renderView(*m, *f, *light, scene.camera, behind, scene.view, ctx, observer); }, stored);
   }
 };
 
-Session::Session(Scene scene, RunContext ctx) : mState(std::make_unique<State>()) {
+Session::Session(Scene scene, RunContext ctx, SessionOptions options) : mState(std::make_unique<State>()) {
   mState->scene = std::move(scene);
   mState->ctx = std::move(ctx);
+  mState->options = std::move(options);
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
@@ -325,69 +301,100 @@ Session& Session::operator=(Session&&) noexcept = default;
 
 const Scene& Session::scene() const { return mState->scene; }
 void Session::setScene(Scene scene) { mState->scene = std::move(scene); }
+const RunContext& Session::context() const { return mState->ctx; }
+void Session::setContext(RunContext ctx) {
+  if (ctx.device != mState->ctx.device) mState->tracers = std::make_shared<TracerState>();
+  mState->ctx = std::move(ctx);
+}
 const std::vector<StageRun>& Session::runs() const { return mState->runs; }
 
-const Medium& Session::medium() {
+const Medium& Session::medium() { return *sharedMedium(); }
+const PhotonResult& Session::photons() { return *sharedPhotons(); }
+const ViewResult& Session::view(const ViewObserver& observer) { return *sharedView(observer); }
+
+std::shared_ptr<const Medium> Session::sharedMedium() { return mState->medium(mState->mediumKey()); }
+
+std::shared_ptr<const FlatMediumStorage> Session::sharedFlat() {
   State& s = *mState;
-  return s.ensure(s.medium, "medium", s.mediumKey(), [&] { return s.buildScene(); });
+  const StageKey medium = s.mediumKey();
+  return s.flat(s.flatKey(medium), *s.medium(medium));
 }
 
-const PhotonResult& Session::photons() {
+std::shared_ptr<const PhotonResult> Session::sharedPhotons() {
   State& s = *mState;
-  if (s.foreignRadiance) return *s.photons.result;
-  const Medium& m = medium();
-  const FlatMediumStorage& flat = s.flattened();
-  Hash h;
-  h.text("photons 1").value(s.flat.key).value(s.ctx.seed);
-  addFields(h, s.scene.photons);
-  std::vector<Light> lights = s.scene.lights;
-  for (Light& light : lights)
-    if (light.type == LightType::Environment) light.environment = background();
-  for (const Light& light : lights) s.addLight(h, light);
-  s.addReceivers(h);
-  return s.ensure(s.photons, "photons", h,
-                  [&] { return tracePhotons(m, flat, lights, s.receivers(), s.scene.photons, s.ctx, s.tracers); });
+  const StageKey medium = s.mediumKey(), flat = s.flatKey(medium);
+  return s.photons(medium, flat, s.photonKey(flat));
 }
 
-const ViewResult& Session::view(const ViewObserver& observer) {
-  State& s = *mState;
-  const Medium& m = medium();
-  const PhotonResult& light = photons();
-  const FlatMediumStorage& flat = s.flattened();
-  Hash h;
-  h.text("view 2").value(s.photons.key).value(s.flat.key);
-  addFields(h, s.scene.camera);
-  const Background& behind = background();
-  s.addBackground(h, behind);
-  addFields(h, s.scene.view);
-  return s.ensure(s.view, "view", h,
-                  [&] { return renderView(m, flat, light, s.scene.camera, behind, s.scene.view, s.ctx, observer); });
+std::shared_ptr<const ViewResult> Session::sharedView(const ViewObserver& observer) {
+  return mState->view(State::Keys(*mState), observer);
 }
 
-const Background& Session::background() {
-  Background& b = mState->background;
-  const std::filesystem::path fileBefore = std::exchange(b.file, {});
-  const std::shared_ptr<const Image> imageBefore = std::exchange(b.image, nullptr);
-  b = mState->scene.background;
-  if (b.image || b.file.empty()) return b;
-  const auto time = State::timeOf(b.file);
-  const bool known = imageBefore && fileBefore == b.file && mState->backgroundTime == time;
-  b.image = known ? imageBefore : readEnvironment(b.file, mState->ctx);
-  mState->backgroundTime = time;
-  return b;
+std::shared_ptr<const Mesh> Session::surface(std::size_t i) {
+  State& s = *mState;
+  const std::string here = "objects/" + std::to_string(i);
+  if (i >= s.scene.objects.size()) throw Error(ErrorKind::Usage, here + ": there is no such object");
+  const SceneObject& o = s.scene.objects[i];
+  if (!o.volumeFile.empty())
+    throw Error(ErrorKind::Usage, here + " (" + nameOf(o) + "): is a volume and has no surface");
+  SceneMeshReader reader(s.ctx);
+  if (o.shape.empty() && !hasSurfaceStage(o)) return placedMesh({s.files.mesh(o, reader).mesh, false}, o);
+  return placedMesh(s.surface(i, reader), o);
 }
+
+std::optional<Box> Session::contentBox() {
+  State& s = *mState;
+  return boxAround(s.bodies(), s.files.volumes(s.scene, s.ctx));
+}
+
+const Background& Session::background() { return mState->files.background(mState->scene, mState->ctx); }
 
 std::vector<std::string> Session::viewChannels() const {
   const Scene& s = scene();
-  const bool separate = s.photons.separate && !mState->foreignRadiance;
+  const bool separate = s.photons.separate && !mState->foreignPhotons;
   return pictureChannels(separate ? lightLayers(s.lights) : std::vector<std::string>{});
 }
 
 void Session::setRadiance(RadianceVolume radiance) {
   State& s = *mState;
-  s.foreignRadiance = true;
-  s.photons.result = PhotonResult{std::move(radiance), {}, {}, {}, 0};
-  s.photons.key = Hash().text("foreign").value(++s.photons.key).digest();
+  s.foreignPhotons = std::make_shared<const PhotonResult>(PhotonResult{std::move(radiance), {}, {}, {}, 0});
+  ++s.foreignCount;
+}
+
+std::vector<StagePlan> Session::plan() {
+  State& s = *mState;
+  const State::Keys keys(s);
+  std::vector<StagePlan> plan;
+  const auto add = [&](const char* name, const auto& stage, const StageKey& key, bool stored) {
+    plan.push_back({name, !stage.has(key) && !stored, stage.because(key)});
+  };
+  SceneMeshReader reader(s.ctx);
+  for (std::size_t i = 0; i < s.scene.objects.size(); ++i)
+    if (s.scene.objects[i].visible && hasSurfaceStage(s.scene.objects[i]))
+      add("surface", s.surfaces.stage(i), Surfaces::key(s.scene.objects[i], s.files, reader), false);
+  add("medium", s.mediumStage, keys.medium, false);
+  add("stepField", s.flatStage, keys.flat, false);
+  if (!s.foreignPhotons)
+    add("photons", s.photonStage, keys.photons, PhotonFiles(s.options.cache, s.ctx, {}).has(keys.photons));
+  add("view", s.viewStage, keys.view, ViewFiles(s.options.cache, s.ctx).has(keys.view));
+  return plan;
+}
+
+void SceneHistory::push(Scene scene) {
+  mScenes.erase(mScenes.begin() + static_cast<std::ptrdiff_t>(mCurrent) + 1, mScenes.end());
+  mScenes.push_back(std::move(scene));
+  if (mScenes.size() > mDepth + 1) mScenes.erase(mScenes.begin());
+  mCurrent = mScenes.size() - 1;
+}
+
+const Scene& SceneHistory::undo() {
+  if (canUndo()) --mCurrent;
+  return current();
+}
+
+const Scene& SceneHistory::redo() {
+  if (canRedo()) ++mCurrent;
+  return current();
 }
 
 } // namespace volcaustic

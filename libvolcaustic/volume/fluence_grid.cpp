@@ -36,8 +36,7 @@ std::int32_t FluenceGrid::claim(std::int32_t count) {
   return static_cast<std::int32_t>(first);
 }
 
-void FluenceGrid::setConstant(std::int64_t brick, const kernels::Light& light) {
-  const kernels::FluenceVoxel value = kernels::pack(light);
+void FluenceGrid::setPacked(std::int64_t brick, const kernels::FluenceVoxel& value) {
   const auto same = [&](const kernels::FluenceVoxel& v) { return std::equal(v.words, v.words + 4, value.words); };
   if (same({})) {
     mEntries[brick] = 0;

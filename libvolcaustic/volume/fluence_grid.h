@@ -38,7 +38,8 @@ public:
   }
   /// Gives a brick the voxels of a slot. Safe from several threads for different bricks.
   void assign(std::int64_t brick, std::int32_t slot) { mEntries[brick] = slot + 1; }
-  void setConstant(std::int64_t brick, const kernels::Light& light);
+  void setConstant(std::int64_t brick, const kernels::Light& light) { setPacked(brick, kernels::pack(light)); }
+  void setPacked(std::int64_t brick, const kernels::FluenceVoxel& value);
 
   [[nodiscard]] bool isDark(std::int64_t brick) const { return mEntries[brick] == 0; }
   /// Whether the brick is one value, dark or not.

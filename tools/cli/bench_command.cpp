@@ -1,6 +1,7 @@
 // bench: the paper's table on this machine, beside the paper's figures and the machine's own limits; and how time and
 // memory grow.
 #include "bench_frames.h"
+#include "bench_interactive.h"
 #include "bench_limits.h"
 #include "bench_scaling.h"
 #include "bench_scenes.h"
@@ -22,7 +23,7 @@ struct Bench {
   std::vector<std::string> scenes{"all"};
   int repeats = 5;
   BenchSize size;
-  bool noView = false, noLimits = false, scaling = false;
+  bool noView = false, noLimits = false, scaling = false, interactive = false;
   std::int64_t maxPhotons = ScalingOptions{}.maxPhotons;
   int maxVoxels = ScalingOptions{}.maxVoxels;
 };
@@ -55,8 +56,13 @@ void declareBench(CLI::App& command, Bench& o) {
   command.add_flag("--fog", o.size.fog, "fill the box with fog, so that the view steps through all of it");
   command.add_flag("--no-view", o.noView, "stop after the photons");
   command.add_flag("--no-limits", o.noLimits, "do not measure what the machine can do at most");
+  CLI::Option* interactive = command.add_flag(
+      "--interactive", o.interactive,
+      "instead of the table: relighting, other materials, deforming and another view, each whole and as "
+      "rough as a window shows it while it moves");
   CLI::Option* scaling = command.add_flag(
       "--scaling", o.scaling, "instead of the table: time and memory against photons and against voxels, a glass ball");
+  scaling->excludes(interactive);
   command.add_option("--max-photons", o.maxPhotons, "end of --scaling's sweep over photons; default 2^26")
       ->transform(powersOfTwo())
       ->needs(scaling)
@@ -150,6 +156,24 @@ void runScaling(Job& job, const Bench& o) {
   }
 }
 
+void runInteractive(Job& job, const Bench& o, int threads) {
+  constexpr double kMovingMs = 2000;
+  job.report()["interactive"] = Json::array();
+  for (const std::string& device : devicesOf(o)) {
+    CommonOptions common = o.common;
+    common.device = device;
+    const Job onDevice("bench", common);
+    std::vector<InteractiveFigures> scenes;
+    Json report = Json::array();
+    for (const BenchScene& scene : scenesOf(o)) {
+      scenes.push_back(measureInteractive(scene, o.size, o.repeats, kMovingMs, onDevice.context()));
+      report.push_back(interactiveReport(scenes.back()));
+    }
+    job.report()["interactive"].push_back({{"device", device}, {"scenes", std::move(report)}});
+    if (!job.json()) printInteractive(titleOf(device, threads), scenes);
+  }
+}
+
 int runBench(const Bench& o) {
   Job job("bench", o.common);
   const int threads = o.common.threads ? o.common.threads : listDevices().front().parallelUnits;
@@ -157,6 +181,8 @@ int runBench(const Bench& o) {
   warnWhenBusy(job, threads);
   if (o.scaling) {
     runScaling(job, o);
+  } else if (o.interactive) {
+    runInteractive(job, o, threads);
   } else {
     runTable(job, o, threads);
     if (!o.noLimits) runLimits(job, threads);

@@ -117,6 +117,8 @@ void addMeshToVdbCommand(CLI::App& app, Action& action);
 void addVdbToMeshCommand(CLI::App& app, Action& action);
 void addShapeToMeshCommand(CLI::App& app, Action& action);
 void addRenderCommands(CLI::App& app, Action& action);
+void addViewCommand(CLI::App& app, Action& action);
+void addSimulateCommands(CLI::App& app, Action& action);
 void addInfoCommand(CLI::App& app, Action& action);
 void addCompareCommand(CLI::App& app, Action& action);
 void addConvertCommand(CLI::App& app, Action& action);

@@ -66,6 +66,8 @@ int run(int argc, char** argv) {
   addVdbToMeshCommand(app, action);
   addShapeToMeshCommand(app, action);
   addRenderCommands(app, action);
+  addViewCommand(app, action);
+  addSimulateCommands(app, action);
   addInfoCommand(app, action);
   addCompareCommand(app, action);
   addConvertCommand(app, action);

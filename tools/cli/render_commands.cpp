@@ -13,7 +13,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <optional>
+#include <set>
+#include <span>
 
 namespace volcaustic::cli {
 
@@ -26,6 +29,7 @@ struct SceneRun {
   SceneFlags flags;
   std::string frames;
   bool resume = false;
+  std::string cache;
   std::string lightMaps;
 };
 
@@ -35,11 +39,16 @@ void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
   addSceneFlags(command, o.flags, true);
   command.add_option("--frames", o.frames, "A-B[xS]: one file a frame, its number in the place of #### or %04d in OUT");
   command.add_flag("--resume", o.resume, "skip frames whose files are there");
+  command.add_option("--cache", o.cache,
+                     "folder to keep the light and the pictures of scenes in, and to take them from; may be deleted at "
+                     "any time");
   command.add_option(
       "--light-maps", o.lightMaps,
       "folder for the irradiance on each receiver as RECEIVER.exr (RECEIVER.0001.exr with --frames); of a "
       "mesh with an .obj that has the texture coordinates");
 }
+
+std::vector<int> framesOf(const SceneRun& o) { return o.frames.empty() ? std::vector<int>{1} : parseFrames(o.frames); }
 
 /// Calls body(frame, outputs of it) for each frame that is wanted. Without --frames the one frame is the first.
 template <class Body>
@@ -49,7 +58,7 @@ void forEachFrame(Job& job, const SceneRun& o, FileKind kind, Body&& body) {
   for (const std::string& output : o.outputs)
     if (!many && hasFramePlace(output))
       throw Error(ErrorKind::Usage, "--output " + output + ": has a place for a frame number; give --frames");
-  for (const int frame : many ? parseFrames(o.frames) : std::vector<int>{1}) {
+  for (const int frame : framesOf(o)) {
     std::vector<std::string> outputs;
     for (const std::string& output : o.outputs)
       outputs.push_back(many ? withFrame(framePattern(output), frame) : output);
@@ -74,29 +83,74 @@ public:
   FrameSession(Job& job, const SceneRun& options) : mJob(job), mOptions(options) { mJob.addInput(options.scene); }
 
   Session& at(int frame, Json& result) {
-    Scene scene = mJob.timed("read", [&] {
-      return readSceneArgument(mOptions.scene, mOptions.flags.at(frame),
-                               mSession ? withoutWords(mJob.context()) : mJob.context());
-    });
+    Scene scene = mJob.timed("read", [&] { return read(frame); });
     result["sceneHash"] = sceneHash(scene);
-    if (mSession)
-      mSession->setScene(std::move(scene));
-    else
-      mSession.emplace(std::move(scene), mJob.context());
+    if (scene.volume.automatic && !mOptions.frames.empty()) {
+      if (!mBox) mBox = mJob.timed("box of all frames", [&] { return boxOfFrames(scene); });
+      scene.volume.automatic = false;
+      scene.volume.bounds = *mBox;
+    }
+    take(std::move(scene));
+    warnOfSelfIntersections(mJob, *mSession);
     return *mSession;
   }
 
-  /// Adds the stages that ran since the last call to the report.
+  /// Adds the stages that ran since the last call to the report, and says why when there is time for words.
   void reportStages() {
-    const std::vector<StageRun>& runs = mSession->runs();
-    mJob.addStages(std::span(runs).subspan(mReported));
-    mReported = runs.size();
+    const std::span<const StageRun> runs = std::span(mSession->runs()).subspan(mReported);
+    mJob.addStages(runs);
+    for (const StageRun& run : runs)
+      mJob.context().log(LogLevel::Detail,
+                         fmt::format("{}: {:.1f} ms{}{}{}", run.stage, run.milliseconds,
+                                     run.fromDisk ? ", from the cache" : "",
+                                     run.because.empty() ? "" : "; changed: ", fmt::join(run.because, ", ")));
+    mReported = mSession->runs().size();
   }
 
 private:
+  Scene read(int frame) {
+    return readSceneArgument(mOptions.scene, mOptions.flags.at(frame),
+                             mSession ? withoutWords(mJob.context()) : mJob.context());
+  }
+
+  void take(Scene scene) {
+    if (mSession)
+      mSession->setScene(std::move(scene));
+    else
+      mSession.emplace(std::move(scene), mJob.context(), SessionOptions{.cache = mOptions.cache});
+  }
+
+  /// An automatic box moves with what is in it, and the voxels with it: what stands still would flicker. So all frames
+  /// share one: those of the scene's `frames` section, or those that were asked for.
+  Box boxOfFrames(const Scene& scene) {
+    std::vector<int> frames = framesOf(mOptions);
+    if (scene.frames.last > scene.frames.first)
+      frames = parseFrames(fmt::format("{}-{}", scene.frames.first, scene.frames.last));
+    std::optional<Box> box;
+    std::set<std::string> known;
+    for (const int frame : frames) {
+      Scene at = read(frame);
+      if (!known.insert(sceneHash(at)).second) continue;
+      take(std::move(at));
+      const std::optional<Box> content = mSession->contentBox();
+      if (!content) continue; // nothing there yet
+      if (!box) box = content;
+      for (int a = 0; a < 3; ++a) {
+        box->min[a] = std::min(box->min[a], content->min[a]);
+        box->max[a] = std::max(box->max[a], content->max[a]);
+      }
+    }
+    if (!box)
+      throw Error(ErrorKind::Input, mOptions.scene +
+                                        ":/volume/bounds: \"auto\" needs an object that is not empty in one "
+                                        "of the frames; give min and max");
+    return withMargin(*box, scene.volume.margin);
+  }
+
   Job& mJob;
   const SceneRun& mOptions;
   std::optional<Session> mSession;
+  std::optional<Box> mBox; ///< of all frames, where it is automatic
   std::size_t mReported = 0;
 };
 

@@ -48,7 +48,12 @@ Json energyReport(const EnergyBalance& b) {
 
 Json stagesReport(std::span<const StageRun> runs) {
   Json stages = Json::array();
-  for (const StageRun& run : runs) stages.push_back({{"stage", run.stage}, {"ms", run.milliseconds}, {"key", run.key}});
+  for (const StageRun& run : runs)
+    stages.push_back({{"stage", run.stage},
+                      {"ms", run.milliseconds},
+                      {"key", run.key},
+                      {"because", run.because},
+                      {"fromDisk", run.fromDisk}});
   return stages;
 }
 

@@ -112,12 +112,14 @@ int runNew(const SceneNew& o) {
 } // namespace
 
 void addSceneCommands(CLI::App& app, Action& action) {
-  CLI::App* scene = app.add_subcommand("scene", "check scene files, print their JSON Schema, start a new one");
+  CLI::App* scene =
+      app.add_subcommand("scene", "check scene files, write their meshes, print their JSON Schema, start a new one");
   scene->require_subcommand(1);
   addCommand<SceneCheck>(*scene, action, "check", "validate scene files and the files they name", declareCheck,
                          runCheck);
   addCommand<SceneSchema>(*scene, action, "schema", "print the JSON Schema of scene files, or of shape files",
                           declareSchema, runSchema);
+  addSceneMeshCommand(*scene, action);
   addCommand<SceneNew>(*scene, action, "new", "print a commented scene to start from", declareNew, runNew);
 }
 

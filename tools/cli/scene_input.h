@@ -1,7 +1,10 @@
 // Scenes from files or standard input, and checks that need the file system.
 #pragma once
 
+#include "common.h"
+
 #include <volcaustic/scene.h>
+#include <volcaustic/session.h>
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -27,5 +30,11 @@ Scene readSceneArgument(const std::string& path, const SceneReadOptions& options
 
 /// For the frames after the first: the same without its words, which were said before.
 RunContext withoutWords(RunContext ctx);
+
+/// `scene mesh`, under the command `scene`.
+void addSceneMeshCommand(CLI::App& scene, Action& action);
+
+/// A warning for each visible object whose deformation makes it run through itself, where nothing is done about it.
+void warnOfSelfIntersections(Job& job, Session& session);
 
 } // namespace volcaustic::cli

@@ -10,6 +10,7 @@
 #include "volcaustic/medium.h"
 #include "volcaustic/photons.h"
 #include "volcaustic/scene.h"
+#include "volcaustic/simulation.h"
 #include "volcaustic/vdb.h"
 #include "volcaustic/view.h"
 
@@ -38,6 +39,11 @@ struct AutomaticBox {
 };
 
 constexpr std::array<const char*, 3> enumNames(FillRule) { return {"auto", "exact", "winding"}; }
+constexpr std::array<const char*, 6> enumNames(DeformerType) {
+  return {"handle", "push", "pull", "inflate", "twist", "smooth"};
+}
+constexpr std::array<const char*, 2> enumNames(DeformMethod) { return {"asRigidAsPossible", "laplacian"}; }
+constexpr std::array<const char*, 4> enumNames(Topology) { return {"free", "keep", "merge", "split"}; }
 constexpr std::array<const char*, 2> enumNames(Scheme) { return {"driftKickDrift", "euler"}; }
 constexpr std::array<const char*, 2> enumNames(Lookup) { return {"trilinear", "nearest"}; }
 constexpr std::array<const char*, 4> enumNames(PixelFilter) { return {"box", "tent", "gaussian", "blackmanHarris"}; }
@@ -236,6 +242,39 @@ void describe(Visitor&& visit, PolygoniseOptions& o) {
 }
 
 template <class Visitor>
+void describe(Visitor&& visit, Deformer& d) {
+  visit("type", d.type,
+        FieldDoc{.text = "a handle, which places a part of the surface and lets the rest follow, or a brush",
+                 .required = true});
+  visit("center", d.center, FieldDoc{"of the ball of vertices, in the space of the mesh", "mesh", -1e12, 1e12});
+  visit("radius", d.radius,
+        FieldDoc{"of the ball; handles hold all in it alike, brushes fade from its centre", "mesh", 0, 1e12});
+  visit("direction", d.direction,
+        FieldDoc{"that push and pull move along, or the mean normal where it is 0; axis of twist", "1", -kHuge, kHuge});
+  visit("strength", d.strength,
+        FieldDoc{"how far push, pull and inflate move; degrees of twist; part of smooth, 0 to 1", "", -1e12, 1e12});
+  describe(visit, d.placement);
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, DeformOptions& o) {
+  visit("deformMethod", o.method, FieldDoc{"how the surface follows its handles"});
+  visit("deformIterations", o.iterations, FieldDoc{"of local rotations and positions", "", 1, 1000});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, TopologyOptions& o) {
+  visit("topology", o.topology,
+        FieldDoc{"what becomes of parts of the mesh that meet: free to overlap, kept apart, merged; split cuts necks"});
+  visit("gap", o.gap, FieldDoc{"between parts that are kept apart; 0 takes two remeshVoxels", "mesh", 0, 1e12});
+  visit("blend", o.blend, FieldDoc{"width of the blend where parts merge; 0 joins them sharply", "mesh", 0, 1e12});
+  visit("neck", o.neck, FieldDoc{"thickness below which split cuts; 0 takes four remeshVoxels", "mesh", 0, 1e12});
+  visit(
+      "remeshVoxel", o.voxelSize,
+      FieldDoc{"of the level set where surfaces change; 0 takes half the mean edge of the triangles", "mesh", 0, 1e12});
+}
+
+template <class Visitor>
 void describe(Visitor&& visit, SceneObject& o) {
   visit("name", o.name, FieldDoc{"for messages"});
   visit(
@@ -256,6 +295,40 @@ void describe(Visitor&& visit, SceneObject& o) {
                  .alternative = true});
   visit("triangulate", o.triangulate, FieldDoc{"make voxels of triangles of the shape, not of the shape itself"});
   describe(visit, o.polygonise);
+  visit("deform", o.deform,
+        FieldDoc{"steps of a deformation of the mesh, or of the shape's triangles, in their order"});
+  describe(visit, o.deformation);
+  describe(visit, o.topology);
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, SceneFrames& f) {
+  visit("first", f.first, FieldDoc{"frame of the animation", "", -1e6, 1e6});
+  visit("last", f.last, FieldDoc{"frame of the animation; at least the first", "", -1e6, 1e6});
+  visit("rate", f.rate, FieldDoc{"frames per second", "1/s", 0.01, 1e4});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, RigidBodyOptions& o) {
+  visit("gravity", o.gravity, FieldDoc{"acceleration of everything that is not fixed", "world/s2", -kHuge, kHuge});
+  visit("rate", o.framesPerSecond, FieldDoc{"frames per second", "1/s", 0.01, 1e4});
+  visit("steps", o.steps, FieldDoc{"of the simulation for each frame", "", 1, 1000});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, MixingOptions& o) {
+  visit("center", o.center, FieldDoc{"of the box", "world", -1e12, 1e12});
+  visit("size", o.size, FieldDoc{"edges of the box", "world", 1e-9, 1e12});
+  visit("resolution", o.resolution, FieldDoc{"cells along the box's longest side", "", 8, 1024});
+  visit("rate", o.framesPerSecond, FieldDoc{"frames per second", "1/s", 0.01, 1e4});
+  visit("inflow", o.inflow,
+        FieldDoc{"speed of the jet of the second fluid, upwards from the bottom", "world/s", 0, kHuge});
+  visit("inflowRadius", o.inflowRadius, FieldDoc{"of the jet", "world", 0, 1e12});
+  visit("buoyancy", o.buoyancy, FieldDoc{"upward acceleration of the pure second fluid", "world/s2", -kHuge, kHuge});
+  visit("viscosity", o.viscosity, FieldDoc{"kinematic", "world2/s", 0, kHuge});
+  visit("diffusion", o.diffusion, FieldDoc{"of the concentration", "world2/s", 0, kHuge});
+  visit("swirl", o.swirl, FieldDoc{"vorticity confinement: keeps small eddies; 0 is none", "1/s", 0, 100});
+  visit("disturbance", o.disturbance, FieldDoc{"random part of the jet's velocity", "1", 0, 1});
 }
 
 template <class Visitor>

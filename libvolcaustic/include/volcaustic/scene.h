@@ -2,6 +2,7 @@
 /// Everything that a picture or a caustic volume depends on, as plain data; and the scene file that holds it.
 #pragma once
 
+#include "volcaustic/deform.h"
 #include "volcaustic/export.h"
 #include "volcaustic/medium.h"
 #include "volcaustic/medium_volume.h"
@@ -10,6 +11,7 @@
 #include "volcaustic/polygonise.h"
 #include "volcaustic/run_context.h"
 #include "volcaustic/shape.h"
+#include "volcaustic/topology.h"
 #include "volcaustic/types.h"
 #include "volcaustic/view.h"
 
@@ -31,6 +33,9 @@ struct SceneVolume {
   Ambient ambient;
   std::filesystem::path file; ///< a .vdb with an `index` grid that replaces objects and box
 };
+
+/// `content` enlarged on every side by `margin` of its longest side: what an automatic box is.
+VOLCAUSTIC_API Box withMargin(Box content, double margin);
 
 /// What the triangles of one group of an object's mesh enclose (bodiesByGroup).
 struct SceneGroup {
@@ -54,6 +59,9 @@ struct SceneObject {
   Shape shape;                      ///< a functional object in place of a mesh, where it is not empty
   bool triangulate = false;         ///< voxelise triangles of the shape, not the shape itself
   PolygoniseOptions polygonise;     ///< what triangles
+  std::vector<Deformer> deform;     ///< of the mesh or the shape's triangles, in their own space, before `placement`
+  DeformOptions deformation;
+  TopologyOptions topology; ///< after the deformation, in the same space
 };
 
 /// An opaque diffuse surface that light falls on: a floor, a wall, a statue (Receiver in receivers.h).
@@ -65,6 +73,12 @@ struct SceneReceiver {
   Rgb albedo{0.8, 0.8, 0.8};
   int resolution = 512;
   bool visible = true; ///< to the camera
+};
+
+/// The frames of an animation.
+struct SceneFrames {
+  int first = 1, last = 1;
+  double rate = 24; ///< frames per second
 };
 
 struct Scene {
@@ -79,6 +93,7 @@ struct Scene {
   Camera camera;
   Background background;
   ViewOptions view;
+  SceneFrames frames;
 };
 
 struct SceneReadOptions {
@@ -93,7 +108,8 @@ struct SceneReadOptions {
 };
 
 /// Reads and checks a scene file: JSON with comments (docs/scene_file.md), or glTF 2.0 by the extension .gltf or .glb
-/// (docs/formats.md). Relative paths are taken from the file's folder. What a glTF file holds and a scene cannot is
+/// (docs/formats.md). Relative paths are taken from the file's folder; a place for
+/// the frame number in them, as in "smoke.####.vdb", takes the frame. What a glTF file holds and a scene cannot is
 /// warned of. \throws Error(File), or Error(Input) "scene.json:/lights/0/irradiance: ..." with the nearest known key.
 VOLCAUSTIC_API Scene readScene(const std::filesystem::path& path, const SceneReadOptions& options = {},
                                const RunContext& ctx = {});

@@ -3,9 +3,12 @@
 #pragma once
 
 #include "volcaustic/background.h"
+#include "volcaustic/deform.h"
 #include "volcaustic/device.h"
 #include "volcaustic/error.h"
+#include "volcaustic/frames.h"
 #include "volcaustic/image.h"
+#include "volcaustic/live.h"
 #include "volcaustic/medium.h"
 #include "volcaustic/medium_volume.h"
 #include "volcaustic/mesh.h"
@@ -20,6 +23,9 @@
 #include "volcaustic/shape.h"
 #include "volcaustic/shape_fields.h"
 #include "volcaustic/shape_file.h"
+#include "volcaustic/simulation.h"
+#include "volcaustic/slice.h"
+#include "volcaustic/topology.h"
 #include "volcaustic/types.h"
 #include "volcaustic/vdb.h"
 #include "volcaustic/view.h"
