@@ -18,6 +18,8 @@ FOLDERS = {
     "shapes": {"core", "shapes"},
     "mesh": {"core", "shapes", "mesh"},
     "polygonise": {"core", "shapes", "mesh", "polygonise"},
+    "deform": {"core", "mesh", "deform"},
+    "simulation": {"core", "volume", "simulation"},
     "kernels": {"kernels"},
     "backends": {"core", "kernels", "backends"},
     "volume": {"core", "shapes", "mesh", "volume", "kernels", "backends"},
@@ -29,7 +31,8 @@ FOLDERS = {
 
 # Public headers that are not for everybody -> patterns of the files inside the repository that may include them.
 PUBLIC = {
-    "volcaustic/session.h": [f"{LIBRARY}/session/", f"{LIBRARY}/include/volcaustic/volcaustic.h"],
+    "volcaustic/session.h": [f"{LIBRARY}/session/", f"{LIBRARY}/include/volcaustic/(volcaustic|live).h"],
+    "volcaustic/live.h": [f"{LIBRARY}/session/", f"{LIBRARY}/include/volcaustic/volcaustic.h"],
     "volcaustic/openvdb.h": [f"{LIBRARY}/volume/"],
     "volcaustic/volcaustic.h": [],
 }
@@ -37,8 +40,13 @@ PUBLIC = {
 # Other people's headers: what they are called -> pattern of their names, and the files that may name them. A header that
 # no pattern knows is a new dependency: give it a row here and a reason in docs/architecture.md.
 EXTERNAL = {
-    "OpenVDB": (r"(openvdb|nanovdb)/", [f"{LIBRARY}/volume/", f"{LIBRARY}/include/volcaustic/openvdb.h"]),
-    "OpenMesh": (r"OpenMesh/", [f"{LIBRARY}/mesh/"]),
+    "OpenVDB": (r"(openvdb|nanovdb)/", [f"{LIBRARY}/(volume|simulation)/", f"{LIBRARY}/include/volcaustic/openvdb.h"]),
+    "OpenMesh": (r"OpenMesh/", [f"{LIBRARY}/(mesh|deform)/"]),
+    "Eigen": (r"Eigen/", [f"{LIBRARY}/(deform|simulation)/"]),
+    "Bullet": (r"(Bullet\w+/|LinearMath/|bullet/|bt[A-Z]\w+\.h)", [f"{LIBRARY}/simulation/"]),
+    "GLFW": (r"GLFW/", ["tools/viewer/"]),
+    "Dear ImGui": (r"(imgui|backends/imgui)", ["tools/viewer/"]),
+    "OpenGL": (r"(GL|GLES\w*|KHR)/", ["tools/viewer/"]),
     "nlohmann/json": (r"nlohmann/", [f"{LIBRARY}/scene/", f"{LIBRARY}/session/", "tools/"]),
     "OpenEXR": (r"(OpenEXR/|Imath/|Imf\w*\.h|Imath\w*\.h|Iex\w*\.h|half\.h)", [f"{LIBRARY}/image/"]),
     "OpenImageIO": (r"OpenImageIO/", [f"{LIBRARY}/image/"]),
@@ -46,7 +54,7 @@ EXTERNAL = {
     "Highway": (r"hwy/", [f"{LIBRARY}/backends/highway_lanes.h"]),
     "CUDA": (r"(cuda|cub/|thrust/|cooperative_groups)", [rf"{LIBRARY}/backends/\w+\.cuh?$"]),
     "x86 intrinsics": (r"immintrin\.h$", ["tools/cli/bench_limits."]),
-    "CLI11": (r"CLI/", ["tools/cli/"]),
+    "CLI11": (r"CLI/", ["tools/cli/", "tools/viewer/main."]),
     "fmt": (r"fmt/", ["tools/cli/"]),
     "POSIX": (r"(sys/\w+|unistd|fcntl|signal|poll|spawn|dirent|pthread|dlfcn|malloc)\.h$",
               [f"{LIBRARY}/(core|mesh|volume|backends|image)/", "tools/"]),
