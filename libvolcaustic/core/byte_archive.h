@@ -1,9 +1,13 @@
 // Numbers, strings and vectors as bytes and back, for files that only the machine and version that wrote them read.
 #pragma once
 
+#include "volcaustic/run_context.h"
+
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
+#include <streambuf>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -12,6 +16,9 @@ namespace volcaustic {
 
 class ByteWriter {
 public:
+  /// Looks at ctx.cancel between pieces; what cannot be written is left to whoever looks at the stream.
+  ByteWriter(std::streambuf& to, const RunContext& ctx) : mTo(to), mContext(ctx) {}
+
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void operator()(const T& value) { raw(&value, sizeof value); }
@@ -26,16 +33,28 @@ public:
   }
   void raw(const void* data, std::size_t size) {
     const auto* p = static_cast<const char*>(data);
-    mBytes.insert(mBytes.end(), p, p + size);
+    for (std::size_t at = 0; at < size; at += kPiece) {
+      const auto part = static_cast<std::streamsize>(std::min(kPiece, size - at));
+      mIsGood = mIsGood && mTo.sputn(p + at, part) == part;
+      mSincePause += static_cast<std::size_t>(part);
+      if (mSincePause < kPiece) continue;
+      mContext.throwIfCancelled();
+      mSincePause = 0;
+    }
   }
-  [[nodiscard]] const std::vector<char>& bytes() const { return mBytes; }
+  /// Whether everything was written.
+  [[nodiscard]] bool good() const { return mIsGood; }
 
 private:
   void text(const std::string& s) {
     (*this)(static_cast<std::uint64_t>(s.size()));
     raw(s.data(), s.size());
   }
-  std::vector<char> mBytes;
+  static constexpr std::size_t kPiece = 4 << 20;
+  std::streambuf& mTo;
+  const RunContext& mContext;
+  std::size_t mSincePause = 0;
+  bool mIsGood = true;
 };
 
 /// Reads what a ByteWriter wrote. \throws std::out_of_range where less is there than is asked for.

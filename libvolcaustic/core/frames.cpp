@@ -2,15 +2,31 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <regex>
 
 namespace volcaustic {
 
 namespace {
 
-const std::regex& framePlace() {
-  static const std::regex kPlace("#+|%0?([0-9]?)d");
-  return kPlace;
+/// Where the number stands in a name, and to how many digits; of length 0 where there is no such place.
+struct FramePlace {
+  std::size_t begin, length;
+  int width;
+};
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+FramePlace framePlace(const std::string& name) {
+  const auto at = [&](std::size_t i) { return i < name.size() ? name[i] : '\0'; };
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    std::size_t end = i;
+    while (at(end) == '#') ++end;
+    if (end > i) return {i, end - i, static_cast<int>(end - i)};
+    if (at(end++) != '%') continue;
+    if (at(end) == '0') ++end;
+    const int width = isDigit(at(end)) ? at(end++) - '0' : 1;
+    if (at(end) == 'd') return {i, end + 1 - i, width};
+  }
+  return {0, 0, 0};
 }
 
 std::string zeroPadded(int number, int width) {
@@ -23,17 +39,15 @@ std::string zeroPadded(int number, int width) {
 } // namespace
 
 bool hasFramePlace(const std::string& path) {
-  return std::regex_search(std::filesystem::path(path).filename().string(), framePlace());
+  return framePlace(std::filesystem::path(path).filename().string()).length > 0;
 }
 
 std::string withFrame(const std::string& path, int frame) {
-  const std::string name = std::filesystem::path(path).filename().string();
-  std::smatch match;
-  if (!std::regex_search(name, match, framePlace())) return path;
-  const std::string place = match.str();
-  const int width = place.front() == '#' ? static_cast<int>(place.size()) : match[1].length() ? std::stoi(match[1]) : 1;
-  const std::string numbered = match.prefix().str() + zeroPadded(frame, width) + match.suffix().str();
-  return std::filesystem::path(path).replace_filename(numbered).string();
+  std::string name = std::filesystem::path(path).filename().string();
+  const FramePlace place = framePlace(name);
+  if (place.length == 0) return path;
+  name.replace(place.begin, place.length, zeroPadded(frame, place.width));
+  return std::filesystem::path(path).replace_filename(name).string();
 }
 
 std::string framePattern(const std::string& path) {

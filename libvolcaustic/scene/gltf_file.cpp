@@ -187,6 +187,13 @@ GltfFile::Buffer GltfFile::placeUri(const GltfValue& uri, std::uint64_t& availab
   return place;
 }
 
+std::vector<std::filesystem::path> GltfFile::files() const {
+  std::vector<std::filesystem::path> all{mPath};
+  for (const Buffer& b : mBuffers)
+    if (!b.path.empty() && std::find(all.begin(), all.end(), b.path) == all.end()) all.push_back(b.path);
+  return all;
+}
+
 std::string_view GltfFile::bufferBytes(std::size_t index) {
   Buffer& buffer = mBuffers[index];
   if (buffer.isRead) return buffer.bytes;

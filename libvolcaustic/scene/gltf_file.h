@@ -26,6 +26,8 @@ public:
 
   [[nodiscard]] const RunContext& context() const { return mContext; }
   [[nodiscard]] const std::string& name() const { return mName; }
+  /// The file itself and those beside it that hold its buffers.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
   /// Without its folder.
   [[nodiscard]] std::string fileName() const { return mPath.filename().string(); }
   [[nodiscard]] GltfValue root() const { return {mJson, mName}; }

@@ -23,6 +23,7 @@ std::filesystem::path sceneMeshFile(const std::filesystem::path& reference) {
 Mesh SceneMeshReader::read(const std::filesystem::path& reference) {
   const std::string text = reference.string();
   const std::filesystem::path path = text.substr(0, fragmentOf(text));
+  mFiles.assign(1, path);
   if (!isGltfName(path)) return readMesh(path, mContext);
   if (path == reference)
     throw Error(ErrorKind::Input, text + ": say which mesh of the file it is, as " + text + "#/meshes/0");
@@ -31,6 +32,7 @@ Mesh SceneMeshReader::read(const std::filesystem::path& reference) {
     mFile = std::make_unique<GltfFile>(path, mContext);
     mOpen = path;
   }
+  mFiles = mFile->files();
   return readGltfFragment(*mFile, std::string_view(text).substr(path.string().size() + 1));
 }
 

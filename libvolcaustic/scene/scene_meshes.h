@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 namespace volcaustic {
 
@@ -17,9 +18,12 @@ public:
 
   /// \throws Error as readMesh, and Error(Input) for a reference into a glTF file that names no mesh there.
   Mesh read(const std::filesystem::path& reference);
+  /// That the last read() took its mesh from.
+  [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return mFiles; }
 
 private:
   const RunContext& mContext;
+  std::vector<std::filesystem::path> mFiles;
   std::filesystem::path mOpen;
   std::unique_ptr<GltfFile> mFile;
 };

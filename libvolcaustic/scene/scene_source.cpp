@@ -2,19 +2,24 @@
 
 #include "volcaustic/error.h"
 #include "volcaustic/frames.h"
+#include "volcaustic/scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <system_error>
 
 namespace volcaustic {
 
 std::filesystem::path SceneSource::pathOf(const std::string& text) const {
   const std::filesystem::path path = (folder / text).lexically_normal();
+  const std::string file = sceneMeshFile(path).string(), fragment = path.string().substr(file.size());
   std::error_code ignored;
-  if (!hasFramePlace(path.string()) || std::filesystem::exists(path, ignored)) return path;
-  return withFrame(path.string(), static_cast<int>(std::lround(frame)));
+  if (!hasFramePlace(file) || std::filesystem::exists(file, ignored)) return path;
+  constexpr double kMost = std::numeric_limits<int>::max();
+  return withFrame(file, static_cast<int>(std::lround(std::clamp(frame, -kMost, kMost)))) + fragment;
 }
 
 void SceneSource::fail(std::string_view pointer, const std::string& what) const {

@@ -121,7 +121,9 @@ struct LiveSession::State {
   }
 
   void run() {
+    std::unique_lock first(mutex); // which others may already be changing
     Session session(scene, context(), {.results = 4});
+    first.unlock();
     std::uint64_t done = 0;
     int reduction = 0; // of the latest picture of revision `done`
     bool light = true; // it is made of light of that reduction
@@ -160,7 +162,7 @@ struct LiveSession::State {
     try {
       session.setScene(wanted);
       return makesLight(session.plan());
-    } catch (const Error&) {
+    } catch (const std::exception&) {
       return true; // whoever renders it reports
     }
   }
@@ -216,9 +218,11 @@ std::shared_ptr<const LiveFrame> LiveSession::latest() const {
 std::shared_ptr<const LiveFrame> LiveSession::wait(std::uint64_t revision, int reduction) const {
   std::unique_lock lock(mState->mutex);
   const auto& latest = mState->latest;
-  mState->changed.wait(lock, [&] {
+  const auto isThere = [&] {
     return latest && latest->revision >= revision && (latest->reduction <= reduction || !latest->error.empty());
-  });
+  };
+  constexpr std::chrono::milliseconds kLook(20); // at whether the caller has given up
+  while (!mState->changed.wait_for(lock, kLook, isThere)) mState->outside.throwIfCancelled();
   return latest;
 }
 

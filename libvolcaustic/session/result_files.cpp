@@ -2,12 +2,14 @@
 
 #include "core/atomic_file.h"
 #include "core/byte_archive.h"
-#include "core/xxhash64.h"
+#include "core/hashed_file.h"
 #include "transport/lit_receivers.h"
 #include "volcaustic/error.h"
 #include "volume/radiance_archive.h"
 
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
@@ -22,12 +24,6 @@ constexpr std::string_view kMagic = "volcaustic result " VOLCAUSTIC_VERSION "\n"
 struct Footer {
   std::uint64_t key, hash;
 };
-
-std::uint64_t hashOf(const char* data, std::size_t size) {
-  XxHash64 hash;
-  hash.add(data, size);
-  return hash.digest();
-}
 
 void writeBalanced(ByteWriter& out, const PhotonResult& r) {
   out(r.radiance.domain());
@@ -89,68 +85,77 @@ bool ResultFolder::has(const StageKey& key) const {
   return enabled() && std::filesystem::exists(fileOf(key), ignored);
 }
 
-std::optional<std::vector<char>> ResultFolder::load(const StageKey& key) const {
-  if (!has(key)) return std::nullopt;
-  std::error_code failed;
-  const std::uintmax_t size = std::filesystem::file_size(fileOf(key), failed);
-  if (failed || size < kMagic.size() + sizeof(Footer) || size > context().effectiveMemoryLimit()) return std::nullopt;
-  std::vector<char> bytes(size);
-  std::ifstream file(fileOf(key), std::ios::binary);
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
-  Footer footer;
-  const std::size_t content = bytes.size() - sizeof footer;
-  std::memcpy(&footer, bytes.data() + content, sizeof footer);
-  if (std::string_view(bytes.data(), kMagic.size()) != kMagic || footer.key != key.digest() ||
-      footer.hash != hashOf(bytes.data(), content))
-    return std::nullopt;
-  bytes.resize(content);
-  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kMagic.size()));
-  return bytes;
+template <class Read>
+auto ResultFolder::load(const StageKey& key, const Read& read) const -> decltype(read(std::declval<ByteReader&>())) {
+  try {
+    std::error_code failed;
+    const std::uintmax_t size = std::filesystem::file_size(fileOf(key), failed);
+    if (failed || size < kMagic.size() + sizeof(Footer)) return nullptr;
+    context().requireMemory(size, "reading a stored result");
+    std::vector<char> bytes(size);
+    std::ifstream file(fileOf(key), std::ios::binary);
+    const std::size_t content = bytes.size() - sizeof(Footer);
+    XxHash64 hash;
+    constexpr std::size_t kPiece = 4 << 20;
+    for (std::size_t at = 0; at < bytes.size(); at += kPiece) {
+      const std::size_t part = std::min(kPiece, bytes.size() - at);
+      if (!file.read(bytes.data() + at, static_cast<std::streamsize>(part))) return nullptr;
+      if (at < content) hash.add(bytes.data() + at, std::min(part, content - at));
+      context().throwIfCancelled();
+    }
+    Footer footer;
+    std::memcpy(&footer, bytes.data() + content, sizeof footer);
+    if (std::string_view(bytes.data(), kMagic.size()) != kMagic || footer.key != key.digest() ||
+        footer.hash != hash.digest())
+      return nullptr;
+    ByteReader in(bytes.data() + kMagic.size(), bytes.data() + content);
+    return read(in);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::Cancelled) throw;
+  } catch (const std::exception&) { // not what it says it is, or too much for the memory: as if it were not there
+  }
+  return nullptr;
 }
 
-void ResultFolder::save(const StageKey& key, const std::vector<char>& bytes) const {
+template <class Write>
+void ResultFolder::save(const StageKey& key, const Write& write) const {
+  if (!enabled()) return;
   try {
     std::filesystem::create_directories(mFolder);
     AtomicFile target(fileOf(key));
-    std::ofstream file(target.path(), std::ios::binary);
-    XxHash64 hash;
-    hash.add(kMagic.data(), kMagic.size());
-    hash.add(bytes.data(), bytes.size());
-    const Footer footer{key.digest(), hash.digest()};
-    file.write(kMagic.data(), static_cast<std::streamsize>(kMagic.size()));
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file.write(reinterpret_cast<const char*>(&footer), sizeof footer);
-    file.close();
-    if (!file) throw Error(ErrorKind::File, fileOf(key).string() + ": cannot be written");
+    HashedFile file(target.path());
+    ByteWriter out(file, context());
+    out.raw(kMagic.data(), kMagic.size());
+    write(out);
+    bool good = file.pubsync() == 0;
+    out(Footer{key.digest(), file.digest()});
+    good = file.pubsync() == 0 && good && out.good();
+    if (!good) throw Error(ErrorKind::File, fileOf(key).string() + ": cannot be written: " + std::strerror(errno));
     target.commit();
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::Cancelled) throw;
+    warn(error);
   } catch (const std::exception& error) { // the result itself is there
-    context().warn(std::string("cache: ") + error.what() + "; goes on without");
+    warn(error);
   }
+}
+
+void ResultFolder::warn(const std::exception& error) const {
+  context().warn(std::string("cache: ") + error.what() + "; goes on without");
 }
 
 std::shared_ptr<const PhotonResult> PhotonFiles::read(const StageKey& key) const {
-  const auto bytes = load(key);
-  if (!bytes) return nullptr;
-  try {
-    ByteReader in(bytes->data(), bytes->data() + bytes->size());
+  return load(key, [this](ByteReader& in) {
     return std::make_shared<const PhotonResult>(readBalanced(in, mReceivers(), context()));
-  } catch (const std::out_of_range&) {
-    return nullptr;
-  }
+  });
 }
 
 void PhotonFiles::write(const StageKey& key, const PhotonResult& result) const {
-  if (!enabled()) return;
-  ByteWriter out;
-  writeBalanced(out, result);
-  save(key, out.bytes());
+  save(key, [&](ByteWriter& out) { writeBalanced(out, result); });
 }
 
 std::shared_ptr<const ViewResult> ViewFiles::read(const StageKey& key) const {
-  const auto bytes = load(key);
-  if (!bytes) return nullptr;
-  try {
-    ByteReader in(bytes->data(), bytes->data() + bytes->size());
+  return load(key, [](ByteReader& in) {
     ViewResult r;
     in(r.image.width);
     in(r.image.height);
@@ -168,29 +173,26 @@ std::shared_ptr<const ViewResult> ViewFiles::read(const StageKey& key) const {
     in(r.samples);
     in(r.passes);
     return std::make_shared<const ViewResult>(std::move(r));
-  } catch (const std::out_of_range&) {
-    return nullptr;
-  }
+  });
 }
 
 void ViewFiles::write(const StageKey& key, const ViewResult& r) const {
-  if (!enabled()) return;
-  ByteWriter out;
-  out(r.image.width);
-  out(r.image.height);
-  out(r.image.channels);
-  out(r.image.planes);
-  out(static_cast<std::uint64_t>(r.image.metadata.size()));
-  for (const auto& [name, text] : r.image.metadata) {
-    out(name);
-    out(text);
-  }
-  out(r.steps);
-  out(r.raysNotFinite);
-  out(r.raysAtStepLimit);
-  out(r.samples);
-  out(r.passes);
-  save(key, out.bytes());
+  save(key, [&](ByteWriter& out) {
+    out(r.image.width);
+    out(r.image.height);
+    out(r.image.channels);
+    out(r.image.planes);
+    out(static_cast<std::uint64_t>(r.image.metadata.size()));
+    for (const auto& [name, text] : r.image.metadata) {
+      out(name);
+      out(text);
+    }
+    out(r.steps);
+    out(r.raysNotFinite);
+    out(r.raysAtStepLimit);
+    out(r.samples);
+    out(r.passes);
+  });
 }
 
 } // namespace volcaustic

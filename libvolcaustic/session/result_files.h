@@ -5,15 +5,16 @@
 #include "volcaustic/photons.h"
 #include "volcaustic/view.h"
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace volcaustic {
+
+class ByteReader;
 
 /// One file for each key. A file that is damaged, or of another version, is as if it were not there; one that cannot be
 /// written is warned of, once for each result.
@@ -27,11 +28,16 @@ public:
 
 protected:
   [[nodiscard]] bool enabled() const { return !mFolder.empty(); }
-  [[nodiscard]] std::optional<std::vector<char>> load(const StageKey& key) const;
-  void save(const StageKey& key, const std::vector<char>& bytes) const;
+  /// read(ByteReader&) of the key's file; null where there is none that is whole. \throws Error(Cancelled)
+  template <class Read>
+  auto load(const StageKey& key, const Read& read) const -> decltype(read(std::declval<ByteReader&>()));
+  /// Makes the key's file by write(ByteWriter&). \throws Error(Cancelled)
+  template <class Write>
+  void save(const StageKey& key, const Write& write) const;
   [[nodiscard]] const RunContext& context() const { return mContext; }
 
 private:
+  void warn(const std::exception& error) const;
   [[nodiscard]] std::filesystem::path fileOf(const StageKey& key) const;
 
   std::filesystem::path mFolder;

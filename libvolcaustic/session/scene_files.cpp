@@ -1,8 +1,12 @@
 #include "session/scene_files.h"
 
+#include "core/hash.h"
 #include "core/xxhash64.h"
 #include "volcaustic/shape_fields.h"
 
+#include <algorithm>
+#include <fstream>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -30,11 +34,30 @@ std::uint64_t contentOf(const Mesh& mesh) {
   return hash.digest();
 }
 
+std::string memoryName(const Mesh* mesh) {
+  return "memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(mesh));
+}
+
+bool areAsRead(const std::vector<FileStamp>& stamps) {
+  return std::all_of(stamps.begin(), stamps.end(), [](const FileStamp& s) { return s == stampOf(s.file); });
+}
+
+/// 0 of a file that cannot be read: whoever needs it says so.
+std::uint64_t hashOfFile(const std::filesystem::path& path, const RunContext& ctx) {
+  std::ifstream file(path, std::ios::binary);
+  XxHash64 hash;
+  for (std::vector<char> piece(4 << 20); file; ctx.throwIfCancelled()) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    hash.add(piece.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  return file.eof() ? hash.digest() : 0;
+}
+
 } // namespace
 
-std::filesystem::file_time_type writeTime(const std::filesystem::path& file) {
+FileStamp stampOf(const std::filesystem::path& file) {
   std::error_code ignored;
-  return std::filesystem::last_write_time(file, ignored);
+  return {file, std::filesystem::last_write_time(file, ignored), std::filesystem::file_size(file, ignored)};
 }
 
 std::string nameOf(const SceneObject& object) {
@@ -45,28 +68,40 @@ std::string nameOf(const SceneObject& object) {
 }
 
 const SceneFiles::LoadedMesh& SceneFiles::inMemory(const std::shared_ptr<const Mesh>& mesh) {
-  const std::string name = "memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(mesh.get()));
-  ++mUses[name];
-  LoadedMesh& entry = mMeshes[name];
+  LoadedMesh& entry = mMeshes[memoryName(mesh.get())];
   entry = {{}, contentOf(*mesh), mesh};
   return entry;
 }
 
 const SceneFiles::LoadedMesh& SceneFiles::fromFile(const std::filesystem::path& file, SceneMeshReader& reader) {
-  const auto time = writeTime(sceneMeshFile(file));
-  ++mUses[file.string()];
   LoadedMesh& entry = mMeshes[file.string()];
-  if (!entry.mesh || entry.time != time) {
-    auto mesh = std::make_shared<const Mesh>(reader.read(file));
-    const std::uint64_t key = contentOf(*mesh);
-    entry = {time, key, std::move(mesh)};
-  }
+  if (entry.mesh && areAsRead(entry.stamps)) return entry;
+  std::vector<FileStamp> stamps{stampOf(sceneMeshFile(file))}; // before it is read: what is written meanwhile is newer
+  auto mesh = std::make_shared<const Mesh>(reader.read(file));
+  for (const std::filesystem::path& from : reader.files())
+    if (from != stamps.front().file) stamps.push_back(stampOf(from));
+  const std::uint64_t key = contentOf(*mesh);
+  entry = {std::move(stamps), key, std::move(mesh)};
   return entry;
 }
 
-void SceneFiles::dropUnused() {
-  std::erase_if(mMeshes, [&](const auto& entry) { return !mUses.contains(entry.first); });
-  mUses.clear();
+std::uint64_t SceneFiles::fileKey(const std::filesystem::path& file, const RunContext& ctx) {
+  const FileStamp stamp = stampOf(file);
+  if (!mHashContents)
+    return Hash().text(file.string()).value(stamp.time.time_since_epoch().count()).value(stamp.size).digest();
+  const auto known = mContents.find(file);
+  if (known != mContents.end() && known->second.stamp == stamp) return known->second.hash;
+  return mContents.insert_or_assign(file, Contents{stamp, hashOfFile(file, ctx)}).first->second.hash;
+}
+
+void SceneFiles::keepOnly(const Scene& scene) {
+  std::set<std::string> named;
+  const auto name = [&](const auto& holder) {
+    named.insert(holder.mesh ? memoryName(holder.mesh.get()) : holder.meshFile.string());
+  };
+  std::for_each(scene.objects.begin(), scene.objects.end(), name);
+  std::for_each(scene.receivers.begin(), scene.receivers.end(), name);
+  std::erase_if(mMeshes, [&](const auto& entry) { return !named.contains(entry.first); });
 }
 
 std::vector<MediumVolume> SceneFiles::volumes(const Scene& scene, const RunContext& ctx) {
@@ -75,9 +110,9 @@ std::vector<MediumVolume> SceneFiles::volumes(const Scene& scene, const RunConte
     if (o.visible && !o.volumeFile.empty())
       for (const PropertyGrid& p : o.grids) mVolumes[o.volumeFile].names.push_back(p.mapping.grid);
   for (auto& [file, loaded] : mVolumes) {
-    loaded.time = writeTime(file);
+    loaded.stamp = stampOf(file);
     const auto old = before.find(file);
-    if (old != before.end() && old->second.time == loaded.time && old->second.names == loaded.names)
+    if (old != before.end() && old->second.stamp == loaded.stamp && old->second.names == loaded.names)
       loaded.grids = std::move(old->second.grids);
   }
   before.clear(); // before the new ones take memory
@@ -93,14 +128,12 @@ std::vector<MediumVolume> SceneFiles::volumes(const Scene& scene, const RunConte
 
 const Background& SceneFiles::background(const Scene& scene, const RunContext& ctx) {
   Background& b = mBackground;
-  const std::filesystem::path fileBefore = std::exchange(b.file, {});
   const std::shared_ptr<const Image> imageBefore = std::exchange(b.image, nullptr);
   b = scene.background;
   if (b.image || b.file.empty()) return b;
-  const auto time = writeTime(b.file);
-  const bool known = imageBefore && fileBefore == b.file && mBackgroundTime == time;
-  b.image = known ? imageBefore : readEnvironment(b.file, ctx);
-  mBackgroundTime = time;
+  FileStamp stamp = stampOf(b.file);
+  b.image = imageBefore && mBackgroundStamp == stamp ? imageBefore : readEnvironment(b.file, ctx);
+  mBackgroundStamp = std::move(stamp);
   return b;
 }
 

@@ -15,17 +15,26 @@
 
 namespace volcaustic {
 
-/// When a file was last written; the earliest time where it cannot be asked.
-std::filesystem::file_time_type writeTime(const std::filesystem::path& file);
-inline std::int64_t timeTicks(const std::filesystem::path& file) { return writeTime(file).time_since_epoch().count(); }
+/// What tells a file from what it was before without reading it.
+struct FileStamp {
+  std::filesystem::path file;
+  std::filesystem::file_time_type time; ///< of the last write; the earliest where it cannot be asked
+  std::uintmax_t size = 0;
+  bool operator==(const FileStamp&) const = default;
+};
+FileStamp stampOf(const std::filesystem::path& file);
 
 /// The object's name, else that of its file or shape, for messages.
 std::string nameOf(const SceneObject& object);
 
 class SceneFiles {
 public:
+  /// \param hashContents keys of files are those of their contents, for keys that outlive the process; else of their
+  /// stamps
+  explicit SceneFiles(bool hashContents) : mHashContents(hashContents) {}
+
   struct LoadedMesh {
-    std::filesystem::file_time_type time;
+    std::vector<FileStamp> stamps; ///< of the files it is from
     std::uint64_t key = 0; ///< hash of its contents
     std::shared_ptr<const Mesh> mesh;
   };
@@ -37,32 +46,38 @@ public:
     return holder.mesh ? inMemory(holder.mesh) : fromFile(holder.meshFile, reader);
   }
 
+  /// Of a volume or a map.
+  std::uint64_t fileKey(const std::filesystem::path& file, const RunContext& ctx);
+
   /// The volumes of the scene's visible objects, placed. Only those of this scene are kept: they are large.
   std::vector<MediumVolume> volumes(const Scene& scene, const RunContext& ctx);
 
   /// The scene's background with its map.
   const Background& background(const Scene& scene, const RunContext& ctx);
-  /// Of the map of the last background().
-  [[nodiscard]] std::filesystem::file_time_type backgroundTime() const { return mBackgroundTime; }
 
-  /// Forgets meshes that no call of mesh() has asked for since the last call.
-  void dropUnused();
+  /// Forgets meshes that the scene does not name.
+  void keepOnly(const Scene& scene);
 
 private:
   const LoadedMesh& inMemory(const std::shared_ptr<const Mesh>& mesh);
   const LoadedMesh& fromFile(const std::filesystem::path& file, SceneMeshReader& reader);
 
   struct LoadedVolume {
-    std::filesystem::file_time_type time;
+    FileStamp stamp;
     std::vector<std::string> names;
     std::shared_ptr<const VolumeGrids> grids;
   };
 
   std::map<std::string, LoadedMesh> mMeshes; // as read, before placement
-  std::map<std::string, int> mUses;          // of each since dropUnused()
   std::map<std::filesystem::path, LoadedVolume> mVolumes;
   Background mBackground;
-  std::filesystem::file_time_type mBackgroundTime;
+  FileStamp mBackgroundStamp;
+  struct Contents {
+    FileStamp stamp;
+    std::uint64_t hash;
+  };
+  std::map<std::filesystem::path, Contents> mContents;
+  bool mHashContents;
 };
 
 } // namespace volcaustic

@@ -1,5 +1,6 @@
 #include "volcaustic/session.h"
 
+#include "core/xxhash64.h"
 #include "session/result_files.h"
 #include "session/scene_medium.h"
 #include "session/stage.h"
@@ -23,20 +24,26 @@ using Clock = std::chrono::steady_clock;
 
 /// Of stages whose results are not kept in files.
 struct NoFiles {
+  bool has(const StageKey&) const { return false; }
   std::nullptr_t read(const StageKey&) const { return nullptr; }
   template <class Result>
   void write(const StageKey&, const Result&) const {}
 };
 
 std::uint64_t imageKey(const Image& image) {
-  Hash h;
-  for (const std::vector<float>& plane : image.planes) h.values(std::span<const float>(plane));
-  return h.digest();
+  XxHash64 hash;
+  hash.add(&image.width, sizeof image.width);
+  hash.add(&image.height, sizeof image.height);
+  for (const std::string& name : image.channels) hash.add(name.c_str(), name.size() + 1);
+  for (const std::vector<float>& plane : image.planes) hash.add(plane.data(), plane.size() * sizeof(float));
+  return hash.digest();
 }
 
 } // namespace
 
 struct Session::State {
+  explicit State(SessionOptions o) : options(std::move(o)), files(!options.cache.empty()) {}
+
   Scene scene;
   RunContext ctx;
   SessionOptions options;
@@ -65,6 +72,8 @@ struct Session::State {
       stage.ask(key);
       return known;
     }
+    if (!stored.has(key)) return nullptr;
+    if (options.results <= 1) stage.makeRoom(1); // frees the old volume before the new one takes memory
     const auto start = Clock::now();
     std::shared_ptr<const Result> read = stored.read(key);
     if (!read) return nullptr;
@@ -76,12 +85,13 @@ struct Session::State {
   template <class Result, class Make, class Files = NoFiles>
   std::shared_ptr<const Result> run(Stage<Result>& stage, const std::string& name, const StageKey& key,
                                     const Make& make, const Files& stored = {}) {
-    if (options.results <= 1) stage.makeRoom(1); // frees the old volume before the new one is made
+    if (options.results <= 1) stage.makeRoom(1);
     const auto start = Clock::now();
     auto result = std::make_shared<const Result>(make());
     book(name, key, stage.because(key), start, false);
+    result = keep(stage, key, std::move(result));
     stored.write(key, *result);
-    return keep(stage, key, std::move(result));
+    return result;
   }
 
   template <class Result>
@@ -107,7 +117,7 @@ struct Session::State {
     const std::string here = place("objects", i);
     key.addFields(here, o.placement);
     if (!o.volumeFile.empty()) {
-      key.add(here + "/volume", Hash().text(o.volumeFile.string()).value(timeTicks(o.volumeFile)));
+      key.add(here + "/volume", files.fileKey(o.volumeFile, ctx));
       for (std::size_t g = 0; g < o.grids.size(); ++g) key.addFields(here + "/" + place("grids", g), o.grids[g]);
       return;
     }
@@ -131,7 +141,7 @@ struct Session::State {
     const SceneVolume& v = scene.volume;
     key.addFields("volume", v.ambient);
     if (!v.file.empty()) {
-      key.add("volume/file", Hash().text(v.file.string()).value(timeTicks(v.file)));
+      key.add("volume/file", files.fileKey(v.file, ctx));
       return key;
     }
     Hash bounds;
@@ -144,7 +154,6 @@ struct Session::State {
     SceneMeshReader reader(ctx);
     for (std::size_t i = 0; i < scene.objects.size(); ++i)
       if (scene.objects[i].visible) addObject(key, i, reader);
-    files.dropUnused();
     return key;
   }
 
@@ -155,12 +164,12 @@ struct Session::State {
     return key;
   }
 
-  void addBackground(StageKey& key, const std::string& here, Background b) const {
+  void addBackground(StageKey& key, const std::string& here, Background b) {
     key.addFields(here, b);
     if (scene.background.image)
       key.add(here + "/image", imageKey(*b.image));
     else if (b.image)
-      key.add(here + "/file time", Hash().value(files.backgroundTime().time_since_epoch().count()));
+      key.add(here + "/file", files.fileKey(b.file, ctx));
   }
 
   StageKey photonKey(const StageKey& flat) {
@@ -194,6 +203,7 @@ struct Session::State {
     key.add("photons", photons);
     key.add("stepField", flat);
     key.add("seed", ctx.seed);
+    key.add("device", Hash().text(ctx.device));
     key.addFields("camera", scene.camera);
     addBackground(key, "background", files.background(scene, ctx));
     key.addFields("view", scene.view);
@@ -277,8 +287,11 @@ struct Session::State {
         [&] { return tracePhotons(*m, *f, lights, receivers(), scene.photons, ctx, tracers); }, stored);
   }
 
+  /// Light from elsewhere is counted, not hashed, and means nothing to another session.
+  [[nodiscard]] ViewFiles viewFiles() const { return {foreignPhotons ? std::filesystem::path() : options.cache, ctx}; }
+
   std::shared_ptr<const ViewResult> view(const Keys& keys, const ViewObserver& observer) {
-    const ViewFiles stored(options.cache, ctx);
+    const ViewFiles stored = viewFiles();
     if (auto known = recall(viewStage, "view", keys.view, stored)) return known;
     const auto light = photons(keys.medium, keys.flat, keys.photons);
     const auto m = medium(keys.medium);
@@ -290,17 +303,19 @@ struct Session::State {
   }
 };
 
-Session::Session(Scene scene, RunContext ctx, SessionOptions options) : mState(std::make_unique<State>()) {
+Session::Session(Scene scene, RunContext ctx, SessionOptions options) : mState(std::make_unique<State>(std::move(options))) {
   mState->scene = std::move(scene);
   mState->ctx = std::move(ctx);
-  mState->options = std::move(options);
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 
 const Scene& Session::scene() const { return mState->scene; }
-void Session::setScene(Scene scene) { mState->scene = std::move(scene); }
+void Session::setScene(Scene scene) {
+  mState->scene = std::move(scene);
+  mState->files.keepOnly(mState->scene);
+}
 const RunContext& Session::context() const { return mState->ctx; }
 void Session::setContext(RunContext ctx) {
   if (ctx.device != mState->ctx.device) mState->tracers = std::make_shared<TracerState>();
@@ -364,19 +379,23 @@ void Session::setRadiance(RadianceVolume radiance) {
 std::vector<StagePlan> Session::plan() {
   State& s = *mState;
   const State::Keys keys(s);
+  // A result that is there, in memory or on the disk, spares all stages before it.
+  const bool view = !s.viewStage.has(keys.view) && !s.viewFiles().has(keys.view);
+  const bool light = view && !s.foreignPhotons && !s.photonStage.has(keys.photons) &&
+                     !PhotonFiles(s.options.cache, s.ctx, {}).has(keys.photons);
+  const bool medium = view && !s.mediumStage.has(keys.medium);
   std::vector<StagePlan> plan;
-  const auto add = [&](const char* name, const auto& stage, const StageKey& key, bool stored) {
-    plan.push_back({name, !stage.has(key) && !stored, stage.because(key)});
-  };
   SceneMeshReader reader(s.ctx);
-  for (std::size_t i = 0; i < s.scene.objects.size(); ++i)
-    if (s.scene.objects[i].visible && hasSurfaceStage(s.scene.objects[i]))
-      add("surface", s.surfaces.stage(i), Surfaces::key(s.scene.objects[i], s.files, reader), false);
-  add("medium", s.mediumStage, keys.medium, false);
-  add("stepField", s.flatStage, keys.flat, false);
-  if (!s.foreignPhotons)
-    add("photons", s.photonStage, keys.photons, PhotonFiles(s.options.cache, s.ctx, {}).has(keys.photons));
-  add("view", s.viewStage, keys.view, ViewFiles(s.options.cache, s.ctx).has(keys.view));
+  for (std::size_t i = 0; i < s.scene.objects.size(); ++i) {
+    const SceneObject& o = s.scene.objects[i];
+    if (!o.visible || !hasSurfaceStage(o)) continue;
+    const StageKey key = Surfaces::key(o, s.files, reader);
+    plan.push_back({"surface", medium && !s.surfaces.stage(i).has(key), s.surfaces.stage(i).because(key)});
+  }
+  plan.push_back({"medium", medium, s.mediumStage.because(keys.medium)});
+  plan.push_back({"stepField", view && !s.flatStage.has(keys.flat), s.flatStage.because(keys.flat)});
+  if (!s.foreignPhotons) plan.push_back({"photons", light, s.photonStage.because(keys.photons)});
+  plan.push_back({"view", view, s.viewStage.because(keys.view)});
   return plan;
 }
 

@@ -37,8 +37,6 @@ public:
     mEntries.insert(mEntries.begin(), {key.digest(), std::move(result)});
     return mEntries.front().result;
   }
-  /// The result asked for last. \pre there is one
-  [[nodiscard]] const Result& latest() const { return *mEntries.front().result; }
 
 private:
   struct Entry {

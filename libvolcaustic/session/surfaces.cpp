@@ -12,6 +12,16 @@ namespace {
 
 bool isDeformed(const SceneObject& o) { return !o.deform.empty() || o.topology.topology != Topology::Free; }
 
+/// What is deformed, in the object's own space.
+void addRest(StageKey& key, const SceneObject& o, SceneFiles& files, SceneMeshReader& reader) {
+  if (o.shape.empty()) {
+    key.add("mesh", files.mesh(o, reader).key);
+  } else {
+    key.add("shape", shapeHash(o.shape));
+    key.addFields("", o.polygonise);
+  }
+}
+
 } // namespace
 
 bool hasSurfaceStage(const SceneObject& o) {
@@ -20,13 +30,8 @@ bool hasSurfaceStage(const SceneObject& o) {
 
 StageKey Surfaces::key(const SceneObject& o, SceneFiles& files, SceneMeshReader& reader) {
   StageKey key("surface 1");
-  if (o.shape.empty()) {
-    key.add("mesh", files.mesh(o, reader).key);
-  } else {
-    key.add("shape", shapeHash(o.shape));
-    key.addFields("", o.polygonise);
-    if (!isDeformed(o)) key.addFields("", o.placement); // the lattice of its cells stands in the world
-  }
+  addRest(key, o, files, reader);
+  if (!o.shape.empty() && !isDeformed(o)) key.addFields("", o.placement); // the lattice of its cells stands in the world
   for (std::size_t i = 0; i < o.deform.size(); ++i) key.addFields("deform/" + std::to_string(i), o.deform[i]);
   key.addFields("", o.deformation);
   key.addFields("", o.topology);
@@ -37,25 +42,30 @@ Surface Surfaces::make(std::size_t i, const SceneObject& o, SceneFiles& files, S
                        const RunContext& ctx) {
   Object& object = mObjects[i];
   try {
-    if (o.shape.empty()) return {deform(object, o, files.mesh(o, reader).mesh, ctx), false};
-    const Shape shape = isDeformed(o) ? o.shape : o.shape.placed(o.placement);
-    auto triangles = std::make_shared<const Mesh>(object.polygoniser.polygonise(shape, o.polygonise, ctx));
-    if (!isDeformed(o)) return {std::move(triangles), true};
-    return {deform(object, o, std::move(triangles), ctx), false};
+    if (isDeformed(o)) return {deformed(object, o, files, reader, ctx), false};
+    return {std::make_shared<const Mesh>(
+                object.polygoniser.polygonise(o.shape.placed(o.placement), o.polygonise, ctx)),
+            true};
   } catch (const Error& error) { // which knows no object
     if (error.kind() != ErrorKind::Input && error.kind() != ErrorKind::Usage) throw;
     throw Error(ErrorKind::Input, "objects (" + nameOf(o) + "): " + error.what());
   }
 }
 
-std::shared_ptr<const Mesh> Surfaces::deform(Object& object, const SceneObject& o, std::shared_ptr<const Mesh> rest,
-                                             const RunContext& ctx) {
-  std::shared_ptr<const Mesh> mesh = rest;
-  if (!o.deform.empty()) {
-    if (!object.deformer || object.deformer->rest() != rest)
-      object.deformer = std::make_unique<MeshDeformer>(std::move(rest));
-    mesh = std::make_shared<const Mesh>(object.deformer->deform(o.deform, o.deformation, ctx));
+std::shared_ptr<const Mesh> Surfaces::deformed(Object& object, const SceneObject& o, SceneFiles& files,
+                                               SceneMeshReader& reader, const RunContext& ctx) {
+  StageKey rest("rest");
+  addRest(rest, o, files, reader);
+  if (!object.deformer || object.restKey != rest.digest()) {
+    object.deformer.reset(); // before the next one takes memory
+    object.deformer = std::make_unique<MeshDeformer>(
+        o.shape.empty() ? files.mesh(o, reader).mesh
+                        : std::make_shared<const Mesh>(object.polygoniser.polygonise(o.shape, o.polygonise, ctx)));
+    object.restKey = rest.digest();
   }
+  std::shared_ptr<const Mesh> mesh = object.deformer->rest();
+  if (!o.deform.empty())
+    mesh = std::make_shared<const Mesh>(object.deformer->deform(o.deform, o.deformation, ctx));
   if (o.topology.topology == Topology::Free) return mesh;
   return std::make_shared<const Mesh>(controlTopology(*mesh, o.topology, ctx).mesh);
 }

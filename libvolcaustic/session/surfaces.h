@@ -38,10 +38,11 @@ private:
   struct Object {
     Stage<Surface> stage;
     Polygoniser polygoniser;
+    std::uint64_t restKey = 0; ///< of what `deformer` was made of
     std::unique_ptr<MeshDeformer> deformer;
   };
-  std::shared_ptr<const Mesh> deform(Object& object, const SceneObject& o, std::shared_ptr<const Mesh> rest,
-                                     const RunContext& ctx);
+  std::shared_ptr<const Mesh> deformed(Object& object, const SceneObject& o, SceneFiles& files, SceneMeshReader& reader,
+                                       const RunContext& ctx);
 
   std::map<std::size_t, Object> mObjects; // by their place in the scene
 };

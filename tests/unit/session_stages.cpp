@@ -81,6 +81,10 @@ const std::vector<Change>& changes() {
        [](Scene& s) { s.objects[2].polygonise.resolution = 14; },
        {"surface", "medium", "stepField", "photons", "view"},
        {"resolution"}},
+      {"place of triangles",
+       [](Scene& s) { s.objects[2].placement.translate = {0, .1, 0}; },
+       {"surface", "medium", "stepField", "photons", "view"},
+       {"translate"}},
       {"hidden", [](Scene& s) { s.objects[2].visible = false; }, kAllOfMedium, {}},
       {"ambient",
        [](Scene& s) {

@@ -1,5 +1,6 @@
 #include "bench_interactive.h"
 
+#include <volcaustic/error.h>
 #include <volcaustic/live.h>
 #include <volcaustic/session.h>
 
@@ -34,8 +35,10 @@ struct Change {
   void (*apply)(Scene&, int i); ///< state `i` of the change; each differs from all others
 };
 
+/// Also of a light that shines straight down.
 void relight(Scene& s, int i) {
   for (Light& light : s.lights) {
+    light.direction[0] += .2;
     light.direction = turned(light.direction, .01 * i);
     light.position = turned(light.position, .01 * i);
   }
@@ -113,6 +116,7 @@ void measureMoving(const Scene& scene, const Change& change, double movingMs, Ru
     change.apply(next, i);
     const auto before = Clock::now();
     const auto frame = live.wait(live.setScene(std::move(next)), LiveOptions{}.greatestReduction);
+    if (!frame->error.empty()) throw Error(ErrorKind::Device, figures.change + ": " + frame->error);
     between.push_back(msSince(before));
     figures.reduction = frame->reduction;
   }

@@ -17,6 +17,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 
 namespace volcaustic::cli {
 
@@ -85,13 +86,15 @@ public:
   Session& at(int frame, Json& result) {
     Scene scene = mJob.timed("read", [&] { return read(frame); });
     result["sceneHash"] = sceneHash(scene);
-    if (scene.volume.automatic && !mOptions.frames.empty()) {
+    if (scene.volume.automatic && scene.volume.file.empty() && !mOptions.frames.empty()) {
       if (!mBox) mBox = mJob.timed("box of all frames", [&] { return boxOfFrames(scene); });
       scene.volume.automatic = false;
       scene.volume.bounds = *mBox;
     }
     take(std::move(scene));
-    warnOfSelfIntersections(mJob, *mSession);
+    const std::vector<StagePlan> plan = mSession->plan();
+    if (std::any_of(plan.begin(), plan.end(), [](const StagePlan& s) { return s.stage == "medium" && s.runs; }))
+      warnOfSelfIntersections(mJob, *mSession);
     return *mSession;
   }
 
@@ -110,7 +113,7 @@ public:
 private:
   Scene read(int frame) {
     return readSceneArgument(mOptions.scene, mOptions.flags.at(frame),
-                             mSession ? withoutWords(mJob.context()) : mJob.context());
+                             std::exchange(mHasRead, true) ? withoutWords(mJob.context()) : mJob.context());
   }
 
   void take(Scene scene) {
@@ -125,10 +128,12 @@ private:
   Box boxOfFrames(const Scene& scene) {
     std::vector<int> frames = framesOf(mOptions);
     if (scene.frames.last > scene.frames.first)
-      frames = parseFrames(fmt::format("{}-{}", scene.frames.first, scene.frames.last));
+      for (frames.clear(); static_cast<int>(frames.size()) <= scene.frames.last - scene.frames.first;)
+        frames.push_back(scene.frames.first + static_cast<int>(frames.size()));
     std::optional<Box> box;
     std::set<std::string> known;
     for (const int frame : frames) {
+      mJob.context().throwIfCancelled();
       Scene at = read(frame);
       if (!known.insert(sceneHash(at)).second) continue;
       take(std::move(at));
@@ -149,6 +154,7 @@ private:
 
   Job& mJob;
   const SceneRun& mOptions;
+  bool mHasRead = false;
   std::optional<Session> mSession;
   std::optional<Box> mBox; ///< of all frames, where it is automatic
   std::size_t mReported = 0;

@@ -41,7 +41,7 @@ struct LiveFrame {
 /// from any thread.
 class VOLCAUSTIC_API LiveSession {
 public:
-  /// `ctx.cancel` is not looked at. \throws Error(Usage) for options out of range.
+  /// `ctx.cancel` ends wait() only. \throws Error(Usage) for options out of range.
   explicit LiveSession(Scene scene, LiveOptions options = {}, RunContext ctx = {});
   /// Cancels what runs and waits for its end.
   ~LiveSession();
@@ -56,6 +56,7 @@ public:
   /// The latest picture; null before the first.
   [[nodiscard]] std::shared_ptr<const LiveFrame> latest() const;
   /// Waits for a picture of at least `revision` and at most `reduction`, or an error of that revision.
+  /// \throws Error(Cancelled)
   [[nodiscard]] std::shared_ptr<const LiveFrame> wait(std::uint64_t revision, int reduction = 1) const;
   /// False when the latest picture is the latest scene at reduction 1.
   [[nodiscard]] bool busy() const;
