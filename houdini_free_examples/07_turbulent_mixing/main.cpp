@@ -48,6 +48,15 @@ double amount(const vc::MixingSimulation& flow) {
   return cells * domain.voxelSize * domain.voxelSize * domain.voxelSize;
 }
 
+/// Whether the second fluid has come to the open top, where it leaves.
+bool isLeaving(const vc::MixingSimulation& flow) {
+  const vc::Vec3i& n = flow.domain().dims;
+  for (int j = 0; j < n[1]; ++j)
+    for (int i = 0; i < n[0]; ++i)
+      if (flow.concentration({i, j, n[2] - 1}) > 1e-3f) return true;
+  return false;
+}
+
 /// Brightest and mean irradiance of the wall: 1 and 1 where nothing bends the light.
 double contrast(const vc::PhotonResult& photons) {
   const vc::Image wall = photons.receivers.maps().front().image;
@@ -65,7 +74,7 @@ int run(int resolution, int frames) {
   vc::MixingSimulation flow(options);
   vc::Session session(sceneAt(1, resolution));
   double before = 0, strongest = 0, divergence = 0;
-  bool grows = true;
+  bool grows = true, leaves = false;
   for (int frame = 1; frame <= frames; ++frame) {
     flow.advance();
     flow.write(vc::withFrame("mix.####.vdb", frame));
@@ -74,7 +83,8 @@ int run(int resolution, int frames) {
     vc::writeVdb(vc::withFrame("light.####.vdb", frame), photons, session.medium());
     vc::writeImage(vc::withFrame("light.####.png", frame), session.view().image);
     const double now = amount(flow);
-    grows = grows && now > before;
+    leaves = leaves || isLeaving(flow);
+    grows = grows && (leaves || now > before);
     before = now;
     divergence = std::max(divergence, flow.divergence());
     strongest = std::max(strongest, contrast(photons));

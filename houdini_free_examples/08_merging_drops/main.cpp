@@ -32,13 +32,14 @@ vc::Scene scene(int resolution) {
   vc::SceneObject water;
   water.name = "drops";
   water.mesh = drops(.03);
-  // The far side of each drop moves, and the rest of the drop follows.
-  for (const double side : {-1.0, 1.0}) {
-    vc::Deformer handle;
-    handle.center = {side * kApart, 0, 0};
-    handle.radius = 1.2 * kRadius;
-    water.deform.push_back(handle);
-  }
+  // Two handles hold each drop, one at its near and one at its far side; the rest of the drop follows them.
+  for (const double side : {-1.0, 1.0})
+    for (const double end : {-1.0, 1.0}) {
+      vc::Deformer handle;
+      handle.center = {side * kApart + end * side * kRadius, 0, 0};
+      handle.radius = .12;
+      water.deform.push_back(handle);
+    }
   water.topology.topology = vc::Topology::Merge;
   water.topology.blend = .12;
   s.objects = {water};
@@ -57,8 +58,9 @@ int run(int resolution) {
   bool closed = true;
   for (int frame = 1; frame <= kFrames; ++frame) {
     vc::Scene next = session.scene();
-    for (int side = 0; side < 2; ++side)
-      next.objects[0].deform[side].placement.translate = {(side == 0 ? .05 : -.05) * (frame - 1), 0, 0};
+    constexpr double kSteps[] = {.07, .02, -.07, -.02}; // a frame: near and far side of the left, then of the right drop
+    for (int i = 0; i < 4; ++i)
+      next.objects[0].deform[i].placement.translate = {kSteps[i] * (frame - 1), 0, 0};
     session.setScene(next);
     const vc::Mesh mesh = *session.surface(0);
     const vc::MeshReport report = vc::checkMesh(mesh);

@@ -11,9 +11,6 @@
 
 namespace volcaustic {
 
-/// True for the names of glTF files, by extension.
-bool isGltfName(const std::filesystem::path& path);
-
 /// Not to be used by two threads at once.
 class GltfFile {
 public:

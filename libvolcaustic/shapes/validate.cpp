@@ -1,10 +1,10 @@
+#include "core/range_check.h"
 #include "shapes/affine.h"
 #include "volcaustic/error.h"
 #include "volcaustic/shape_fields.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace volcaustic {
 
@@ -13,38 +13,6 @@ namespace {
 [[noreturn]] void fail(const std::string& type, const std::string& what) {
   throw Error(ErrorKind::Input, type + ": " + what);
 }
-
-/// A visitor of describe(): finite numbers within their range.
-class RangeCheck {
-public:
-  explicit RangeCheck(const char* type) : mType(type) {}
-
-  template <class T>
-  void operator()(const char* name, T& value, const FieldDoc& doc) {
-    check(name, value, doc);
-  }
-
-private:
-  void check(const char* name, double value, const FieldDoc& doc) const {
-    if (std::isfinite(value) && value >= doc.min && value <= doc.max) return;
-    std::ostringstream text;
-    text << name << " is " << value << ", which is out of range; give a value from " << doc.min << " to " << doc.max;
-    fail(mType, text.str());
-  }
-  void check(const char* name, int value, const FieldDoc& doc) const { check(name, double(value), doc); }
-  void check(const char*, bool, const FieldDoc&) const {}
-  void check(const char*, Placement& value, const FieldDoc&) { describe(*this, value); }
-  template <class T, std::size_t N>
-  void check(const char* name, std::array<T, N>& values, const FieldDoc& doc) {
-    for (T& value : values) check(name, value, doc);
-  }
-  template <class T>
-  void check(const char* name, std::vector<T>& values, const FieldDoc& doc) {
-    for (T& value : values) check(name, value, doc);
-  }
-
-  const char* mType;
-};
 
 void requirePlacement(const char* type, const Placement& placement) {
   for (const double s : placement.scale)
@@ -146,7 +114,7 @@ void requireDeviations(const char* type, const ShapeNode& node) {
 void requireValid(const ShapeNode& node) {
   const char* type = kShapeTypes[node.kind.index()];
   ShapeNode copy = node; // describe() hands out references that a reader may write to
-  RangeCheck ranges(type);
+  const RangeCheck ranges(ErrorKind::Input, type);
   std::visit([&](auto& kind) { describe(ranges, kind); }, copy.kind);
   describe(ranges, copy.placement);
   requirePlacement(type, node.placement);

@@ -34,13 +34,22 @@ Extremes extremes(const Lattice& field, const LatticeCorner& c) {
 
 } // namespace
 
-float StaggeredVelocity::maxSpeed() const {
+float largestMagnitude(const std::vector<float>& values, const RunContext& ctx) {
+  constexpr std::int64_t kPiece = 16384;
+  const auto count = static_cast<std::int64_t>(values.size());
+  std::vector<float> most((count + kPiece - 1) / kPiece);
+  parallelFor(count, kPiece, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    float here = 0;
+    for (std::int64_t i = begin; i < end; ++i)
+      here = std::max(here, std::isfinite(values[i]) ? std::abs(values[i]) : std::numeric_limits<float>::infinity());
+    most[begin / kPiece] = here;
+  });
+  return *std::max_element(most.begin(), most.end());
+}
+
+float StaggeredVelocity::maxSpeed(const RunContext& ctx) const {
   float fastest = 0;
-  for (const Lattice& lattice : component)
-    for (const float v : lattice.values()) {
-      if (!std::isfinite(v)) return std::numeric_limits<float>::infinity();
-      fastest = std::max(fastest, std::abs(v));
-    }
+  for (const Lattice& lattice : component) fastest = std::max(fastest, largestMagnitude(lattice.values(), ctx));
   return fastest;
 }
 

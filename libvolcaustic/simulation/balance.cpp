@@ -44,12 +44,12 @@ void balance(Flow& next, const Flow& before, float cells, const RunContext& ctx)
   // Within one, values between 0 and 1 stay so, and in their order.
   const double factor = room > 0 ? std::clamp((expected - there) / room, -1., 1.) : 0;
   const auto add = static_cast<float>(factor);
-  for (int k = 1; k <= next.cells[2]; ++k)
-    for (int j = 0; j < next.cells[1]; ++j)
-      for (int i = 0; i < next.cells[0]; ++i) {
-        float& c = next.concentration.at(i, j, k);
-        c = std::clamp(c + add * c * (1 - c), 0.0f, 1.0f);
-      }
+  forEachRow(next.cells, ctx, [&](int j, int k) {
+    for (int i = 0; i < next.cells[0]; ++i) {
+      float& c = next.concentration.at(i, j, k + 1);
+      c = std::clamp(c + add * c * (1 - c), 0.0f, 1.0f);
+    }
+  });
   next.owed = expected - there - factor * room;
 }
 

@@ -8,6 +8,9 @@
 
 namespace volcaustic {
 
+/// Infinite when a value is not finite.
+float largestMagnitude(const std::vector<float>& values, const RunContext& ctx);
+
 /// Face i of axis a is between cells i-1 and i. World lengths per second.
 struct StaggeredVelocity {
   explicit StaggeredVelocity(const Vec3i& cells)
@@ -20,7 +23,8 @@ struct StaggeredVelocity {
   [[nodiscard]] Vec3f sample(const Vec3f& p) const {
     return {component[0].sample(p), component[1].sample(p), component[2].sample(p)};
   }
-  [[nodiscard]] float maxSpeed() const; ///< of any component; NaN or infinite when one value is
+  /// Of any component; infinite when one value is not finite.
+  [[nodiscard]] float maxSpeed(const RunContext& ctx) const;
 };
 
 /// Of the second fluid, in cell (i, j, k) at node (i, j, k + 1): a layer of nodes below the bottom and one above the

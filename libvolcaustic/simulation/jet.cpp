@@ -1,5 +1,7 @@
 #include "simulation/jet.h"
 
+#include "volcaustic/error.h"
+
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -8,9 +10,11 @@ namespace volcaustic {
 
 namespace {
 
-/// Part of the square of edge `cell` around (x, y) within `radius` of the origin, by the middles of 8 x 8 parts.
+/// Part of the square of edge `cell` around (x, y) within `radius` of the origin, by the middles of its parts.
 double covered(double x, double y, double cell, double radius) {
-  constexpr int kParts = 8;
+  if (std::hypot(x, y) > radius + cell) return 0;
+  if (std::hypot(x, y) < radius - cell) return 1;
+  constexpr int kParts = 32;
   int inside = 0;
   for (int j = 0; j < kParts; ++j)
     for (int i = 0; i < kParts; ++i)
@@ -44,6 +48,13 @@ Jet::Jet(const MixingOptions& options, const Vec3i& cells, double cell, std::uin
       const double x = (i + .5 - .5 * cells[0]) * cell, y = (j + .5 - .5 * cells[1]) * cell;
       if (const double open = covered(x, y, cell, options.inflowRadius); open > 0) mFaces.push_back({i, j, open, x, y});
     }
+  if (mFaces.empty())
+    throw Error(ErrorKind::Usage, "mixing: the hole is smaller than a cell; raise resolution or inflowRadius");
+  // Parts of faces are sampled; a hole that lies in the bottom as a whole lets in what a round one does.
+  double sum = 0;
+  for (const Face& face : mFaces) sum += face.open * cell * cell;
+  if (2 * options.inflowRadius <= cell * std::min(cells[0], cells[1]))
+    for (Face& face : mFaces) face.open *= std::numbers::pi * options.inflowRadius * options.inflowRadius / sum;
   std::mt19937_64 random(seed);
   // The standard's distributions differ from library to library; its engines do not.
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };

@@ -1,5 +1,5 @@
 // Two fluids that mix in a box (docs/algorithms/simulation.md): advection, diffusion, forces, pressure, in this order.
-#include "simulation/checked_options.h"
+#include "core/range_check.h"
 #include "simulation/mixing_state.h"
 
 #include <cmath>
@@ -37,6 +37,18 @@ void addBuoyancy(Flow& flow, double acceleration, double time, const RunContext&
   });
 }
 
+/// Within the box: what is beyond bottom and top is imposed, and nothing comes from there but with the flow.
+void diffuseCells(Flow& flow, double amount, const RunContext& ctx) {
+  if (amount <= 0) return;
+  Lattice cells(flow.cells, {.5f, .5f, .5f});
+  const auto first =
+      flow.concentration.values().begin() + static_cast<std::ptrdiff_t>(flow.concentration.stride(2));
+  std::copy_n(first, cells.size(), cells.values().begin());
+  constexpr auto kClosed = DiffusionEnds::Closed;
+  diffuse(cells, amount, {kClosed, kClosed, kClosed}, ctx);
+  std::copy(cells.values().begin(), cells.values().end(), first);
+}
+
 } // namespace
 
 MixingSimulation::State::State(const MixingOptions& given, const Domain& box, const RunContext& context)
@@ -51,7 +63,7 @@ MixingSimulation::State::State(const MixingOptions& given, const Domain& box, co
 }
 
 double MixingSimulation::State::longestStep(const Flow& now) const {
-  const double flowing = now.velocity.maxSpeed();
+  const double flowing = now.velocity.maxSpeed(ctx);
   if (!std::isfinite(flowing))
     throw Error(ErrorKind::Input, "mixing: the flow left the finite numbers; lower inflow, buoyancy or swirl");
   // What a step may add to it from rest.
@@ -69,7 +81,7 @@ void MixingSimulation::State::step(Flow& now, double begin, double time) {
 
   const double perCell = time / (domain.voxelSize * domain.voxelSize);
   constexpr auto kClosed = DiffusionEnds::Closed;
-  diffuse(next.concentration, options.diffusion * perCell, {kClosed, kClosed, kClosed}, ctx);
+  diffuseCells(next, options.diffusion * perCell, ctx);
   for (int a = 0; a < 3; ++a) {
     std::array<DiffusionEnds, 3> ends{kClosed, kClosed, kClosed};
     ends[a] = DiffusionEnds::Held;
@@ -97,7 +109,8 @@ void MixingSimulation::State::advance(Flow& now) {
 }
 
 MixingSimulation::MixingSimulation(const MixingOptions& options, const RunContext& ctx) {
-  checkRanges("mixing", options);
+  MixingOptions checked = options;
+  describe(RangeCheck(ErrorKind::Usage, "mixing"), checked);
   const Domain domain = domainOf(options);
   ctx.requireMemory(static_cast<std::uint64_t>(domain.voxelCount()) * kBytesPerCell, "mixing at this resolution");
   mState = std::make_unique<State>(options, domain, ctx);
@@ -126,7 +139,7 @@ float MixingSimulation::concentration(const Vec3i& cell) const {
 const Domain& MixingSimulation::domain() const { return mState->domain; }
 
 double MixingSimulation::divergence() const {
-  const double fastest = mState->flow.velocity.maxSpeed();
+  const double fastest = mState->flow.velocity.maxSpeed(mState->ctx);
   return fastest > 0 ? largestDivergence(mState->flow.velocity, mState->flow.cells, mState->ctx) / fastest : 0;
 }
 

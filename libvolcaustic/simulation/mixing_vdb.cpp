@@ -24,10 +24,12 @@ openvdb::FloatGrid::Ptr concentrationGrid(const Flow& flow, const openvdb::math:
 }
 
 /// Component a of the value at (i, j, k) belongs to the lower face of that cell along a: OpenVDB's staggered grids.
-openvdb::Vec3SGrid::Ptr velocityGrid(const Flow& flow, const openvdb::math::Transform::Ptr& transform) {
+openvdb::Vec3SGrid::Ptr velocityGrid(const Flow& flow, const openvdb::math::Transform::Ptr& transform,
+                                     const RunContext& ctx) {
   auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
   auto accessor = grid->getAccessor();
-  for (int k = 0; k <= flow.cells[2]; ++k)
+  for (int k = 0; k <= flow.cells[2]; ++k) {
+    ctx.throwIfCancelled();
     for (int j = 0; j <= flow.cells[1]; ++j)
       for (int i = 0; i <= flow.cells[0]; ++i) {
         openvdb::Vec3s value(0);
@@ -37,6 +39,7 @@ openvdb::Vec3SGrid::Ptr velocityGrid(const Flow& flow, const openvdb::math::Tran
         }
         accessor.setValueOn({i, j, k}, value);
       }
+  }
   grid->setName("velocity");
   grid->setGridClass(openvdb::GRID_STAGGERED);
   grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
@@ -55,7 +58,7 @@ void MixingSimulation::write(const std::filesystem::path& path) const {
   transform->postTranslate(first);
   openvdb::MetaMap metadata;
   metadata.insertMeta("frame", openvdb::Int32Metadata(mState->frame));
-  writeVdbFile(path, {concentrationGrid(mState->flow, transform), velocityGrid(mState->flow, transform)}, metadata, {},
+  writeVdbFile(path, {concentrationGrid(mState->flow, transform), velocityGrid(mState->flow, transform, mState->ctx)}, metadata, {},
                mState->ctx);
 }
 

@@ -8,10 +8,10 @@ namespace {
 
 constexpr double kTolerance = 1e-4; ///< largest divergence that is left, over the fastest speed
 constexpr int kMaxIterations = 100;
+constexpr std::int64_t kPiece = 16384; // of an array, for one thread at a time
 
 /// Sums of pieces of fixed size, added in their order: the same bits for any number of threads.
 double dot(const std::vector<float>& a, const std::vector<float>& b, const RunContext& ctx) {
-  constexpr std::int64_t kPiece = 16384;
   const auto count = static_cast<std::int64_t>(a.size());
   std::vector<double> sums((count + kPiece - 1) / kPiece);
   parallelFor(count, kPiece, ctx, [&](std::int64_t begin, std::int64_t end, int) {
@@ -24,18 +24,20 @@ double dot(const std::vector<float>& a, const std::vector<float>& b, const RunCo
   return total;
 }
 
-double largest(const std::vector<float>& values) {
-  float most = 0;
-  for (const float v : values) most = std::max(most, std::abs(v));
-  return most;
+/// body(i) for all i below `count`.
+template <class Body>
+void forEach(std::size_t count, const RunContext& ctx, const Body& body) {
+  parallelFor(static_cast<std::int64_t>(count), kPiece, ctx, [&](std::int64_t begin, std::int64_t end, int) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) body(i);
+  });
 }
 
 /// a = b + factor * a, or with the roles turned round.
-void scaleAndAdd(std::vector<float>& a, double factor, const std::vector<float>& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] = b[i] + static_cast<float>(factor) * a[i];
+void scaleAndAdd(std::vector<float>& a, double factor, const std::vector<float>& b, const RunContext& ctx) {
+  forEach(a.size(), ctx, [&](std::size_t i) { a[i] = b[i] + static_cast<float>(factor) * a[i]; });
 }
-void addScaled(std::vector<float>& a, double factor, const std::vector<float>& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] += static_cast<float>(factor) * b[i];
+void addScaled(std::vector<float>& a, double factor, const std::vector<float>& b, const RunContext& ctx) {
+  forEach(a.size(), ctx, [&](std::size_t i) { a[i] += static_cast<float>(factor) * b[i]; });
 }
 
 void divergence(const StaggeredVelocity& velocity, const Vec3i& cells, std::vector<float>& result,
@@ -74,7 +76,7 @@ void subtractGradient(Flow& flow, const RunContext& ctx) {
 double largestDivergence(const StaggeredVelocity& velocity, const Vec3i& cells, const RunContext& ctx) {
   std::vector<float> values(static_cast<std::size_t>(cells[0]) * cells[1] * cells[2]);
   divergence(velocity, cells, values, ctx);
-  return largest(values);
+  return largestMagnitude(values, ctx);
 }
 
 PressureSolver::PressureSolver(const Vec3i& cells)
@@ -87,24 +89,24 @@ PressureSolver::PressureSolver(const Vec3i& cells)
 int PressureSolver::project(Flow& flow, const RunContext& ctx) {
   std::vector<float>& x = flow.pressure.values();
   const PoissonLevel& matrix = mMultigrid.finest();
-  const double enough = kTolerance * flow.velocity.maxSpeed();
+  const double enough = kTolerance * flow.velocity.maxSpeed(ctx);
   divergence(flow.velocity, flow.cells, mResidual, ctx);
   matrix.multiply(x, mProduct, ctx);
-  for (std::size_t i = 0; i < x.size(); ++i) mResidual[i] = -mResidual[i] - mProduct[i];
+  forEach(x.size(), ctx, [&](std::size_t i) { mResidual[i] = -mResidual[i] - mProduct[i]; });
   double energy = 0;
   int iteration = 0;
-  for (; iteration < kMaxIterations && largest(mResidual) > enough; ++iteration) {
+  for (; iteration < kMaxIterations && largestMagnitude(mResidual, ctx) > enough; ++iteration) {
     mMultigrid.cycle(mResidual, mPreconditioned, ctx);
     const double next = dot(mResidual, mPreconditioned, ctx);
     if (iteration == 0)
       mDirection = mPreconditioned;
     else
-      scaleAndAdd(mDirection, next / energy, mPreconditioned);
+      scaleAndAdd(mDirection, next / energy, mPreconditioned, ctx);
     energy = next;
     matrix.multiply(mDirection, mProduct, ctx);
     const double step = energy / dot(mDirection, mProduct, ctx);
-    addScaled(x, step, mDirection);
-    addScaled(mResidual, -step, mProduct);
+    addScaled(x, step, mDirection, ctx);
+    addScaled(mResidual, -step, mProduct, ctx);
   }
   subtractGradient(flow, ctx);
   return iteration;

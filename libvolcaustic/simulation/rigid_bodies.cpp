@@ -1,10 +1,12 @@
 // Rigid bodies by Bullet (docs/algorithms/simulation.md). Bullet computes in 32-bit floats and its tolerances are
 // lengths, so that it gets a world in which bodies are about two units wide and near the origin.
-#include "simulation/checked_options.h"
+#include "core/range_check.h"
+#include "mesh/validate.h"
 #include "simulation/euler_angles.h"
 #include "simulation/rigid_shape.h"
 
 #include <cmath>
+#include <limits>
 #include <memory>
 
 namespace volcaustic {
@@ -31,14 +33,36 @@ void checkBody(const RigidBody& body) {
     throw Error(ErrorKind::Usage,
                 "rigid bodies: " + body.name + ": scale flattens it; give three numbers other than 0");
   const auto within = [&](const char* name, double value, double least, double most) {
-    if (!(value >= least && value <= most))
-      throw Error(ErrorKind::Usage, "rigid bodies: " + body.name + ": " + name + " is " + std::to_string(value) +
-                                        "; give a number from " + std::to_string(least) + " to " +
-                                        std::to_string(most));
+    requireWithin(ErrorKind::Usage, "rigid bodies: " + body.name, name, value, least, most);
   };
   within("density", body.density, 1e-6, 1e9);
   within("friction", body.friction, 0, 1e3);
   within("restitution", body.restitution, 0, 1);
+  try {
+    requireValid(*body.mesh);
+  } catch (const Error& error) { // which knows no body
+    throw Error(error.kind(), "rigid bodies: " + body.name + ": " + error.what());
+  }
+}
+
+/// What Bullet leaves out without a word: steps below its least, and turns of more than an eighth a step.
+void checkSteps(std::span<const RigidBody> bodies, const RigidBodyOptions& options) {
+  const double perSecond = options.framesPerSecond * options.steps;
+  if (perSecond > 8e6)
+    throw Error(ErrorKind::Usage, "rigid bodies: rate times steps is above 8000000 a second; lower one of them");
+  for (const RigidBody& body : bodies) {
+    const double spin = std::hypot(body.spin[0], body.spin[1], body.spin[2]);
+    if (!body.fixed && spin > 45 * perSecond)
+      throw Error(ErrorKind::Usage, "rigid bodies: " + body.name +
+                                        ": turns by more than 45 degrees a step; raise steps, or lower its spin");
+  }
+}
+
+void checkPlacement(const RigidBody& body, const Placement& now) {
+  for (int a = 0; a < 3; ++a)
+    if (!std::isfinite(now.translate[a]) || !std::isfinite(now.rotate[a]))
+      throw Error(ErrorKind::Input, "rigid bodies: " + body.name +
+                                        ": left the numbers that can be computed with; lower velocity, spin or gravity");
 }
 
 btVector3 bullet(const Eigen::Vector3d& v) {
@@ -68,7 +92,7 @@ public:
   RigidWorld& operator=(const RigidWorld&) = delete;
 
   void step(double time) { mWorld.stepSimulation(static_cast<btScalar>(time), 0); }
-  /// `before`: of the same body a frame earlier.
+  /// `before`: of the same body a step earlier.
   [[nodiscard]] Placement placement(std::size_t body, const Placement& before) const;
 
 private:
@@ -82,25 +106,25 @@ private:
   btSequentialImpulseConstraintSolver mSolver;
   btDiscreteDynamicsWorld mWorld{&mDispatcher, &mPairs, &mSolver, &mConfiguration};
   Scale mScale{};
-  double mMasses = 1; ///< world mass per simulation mass
+  double mMasses = 0; ///< world mass per simulation mass
   std::vector<MovingShape> mMoving;
   std::vector<FixedShape> mFixed;
   std::vector<std::unique_ptr<btRigidBody>> mBodies;
 };
 
-/// The mean radius of what moves becomes 1, and the middle of what moves the origin.
+/// The least radius of what moves becomes 1, and the middle of what moves the origin.
 Scale scaleOf(std::span<const RigidBody> bodies, std::span<const MovingShape> moving) {
-  double radius = 0, count = 0;
+  double radius = std::numeric_limits<double>::infinity(), count = 0;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies[i].fixed) continue;
-    radius += moving[i].radius;
-    middle += eigen(bodies[i].placement.translate);
+    radius = std::min(radius, moving[i].radius);
+    middle += eigen(bodies[i].placement.translate) + rotationMatrix(bodies[i].placement.rotate) * moving[i].mass.center;
     ++count;
   }
   if (count == 0) return {1, {0, 0, 0}};
   middle /= count;
-  return {count / radius, {middle[0], middle[1], middle[2]}};
+  return {1 / radius, {middle[0], middle[1], middle[2]}};
 }
 
 RigidWorld::RigidWorld(std::span<const RigidBody> bodies, const RigidBodyOptions& options)
@@ -109,7 +133,7 @@ RigidWorld::RigidWorld(std::span<const RigidBody> bodies, const RigidBodyOptions
     if (!bodies[i].fixed) mMoving[i] = movingShape(bodies[i]);
   mScale = scaleOf(bodies, mMoving);
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (!bodies[i].fixed) mMasses = std::max(i == 0 ? 0 : mMasses, bodies[i].density * mMoving[i].mass.mass);
+    if (!bodies[i].fixed) mMasses = std::max(mMasses, bodies[i].density * mMoving[i].mass.mass);
   mWorld.setGravity(bullet(Eigen::Vector3d(mScale.lengths * eigen(options.gravity))));
   mWorld.getSolverInfo().m_numIterations = kSolverIterations;
   // Bodies that overlap are pushed apart without speed, however little they do: else every bounce would gain energy.
@@ -142,7 +166,7 @@ void RigidWorld::addMoving(const RigidBody& body, std::size_t i, double time, co
       bullet(Eigen::Vector3d(mScale.lengths * (eigen(body.velocity) - .5 * time * eigen(gravity)))));
   added.setAngularVelocity(bullet(Eigen::Vector3d(kDegree * eigen(body.spin))));
   added.setActivationState(DISABLE_DEACTIVATION);
-  // Faster than half its width a step: swept, so that it does not pass what is thin.
+  // Faster than a fifth of its width a step: swept, so that it does not pass what is thin.
   const double inner = mScale.lengths * moving.radius * .4;
   added.setCcdMotionThreshold(static_cast<btScalar>(inner));
   added.setCcdSweptSphereRadius(static_cast<btScalar>(.5 * inner));
@@ -183,18 +207,25 @@ Placement RigidWorld::placement(std::size_t body, const Placement& before) const
 
 std::vector<std::vector<Placement>> simulateRigidBodies(std::span<const RigidBody> bodies, int frames,
                                                         const RigidBodyOptions& options, const RunContext& ctx) {
-  checkRanges("rigid bodies", options);
+  RigidBodyOptions checked = options;
+  describe(RangeCheck(ErrorKind::Usage, "rigid bodies"), checked);
   if (frames < 1 || frames > 1'000'000)
     throw Error(ErrorKind::Usage, "rigid bodies: " + std::to_string(frames) + " frames; give 1 to 1000000");
   for (const RigidBody& body : bodies) checkBody(body);
+  checkSteps(bodies, options);
   ctx.requireMemory(static_cast<std::uint64_t>(frames) * bodies.size() * sizeof(Placement), "placements of all frames");
   RigidWorld world(bodies, options);
   std::vector<std::vector<Placement>> result(1);
   for (const RigidBody& body : bodies) result[0].push_back(body.placement);
   for (int frame = 1; frame < frames; ++frame) {
-    for (int step = 0; step < options.steps; ++step) world.step(1 / (options.framesPerSecond * options.steps));
-    std::vector<Placement> now;
-    for (std::size_t i = 0; i < bodies.size(); ++i) now.push_back(world.placement(i, result.back()[i]));
+    std::vector<Placement> now = result.back();
+    for (int step = 0; step < options.steps; ++step) {
+      ctx.throwIfCancelled();
+      world.step(1 / (options.framesPerSecond * options.steps));
+      // Step by step, so that whole turns within a frame count.
+      for (std::size_t i = 0; i < bodies.size(); ++i) now[i] = world.placement(i, now[i]);
+    }
+    for (std::size_t i = 0; i < bodies.size(); ++i) checkPlacement(bodies[i], now[i]);
     result.push_back(std::move(now));
     ctx.progress("rigid bodies", static_cast<double>(frame) / frames);
   }

@@ -130,7 +130,9 @@ FixedShape fixedShape(const RigidBody& body, const Vec3d& origin, double lengths
     }
     fixed.triangles->addTriangle(corner[0], corner[1], corner[2]);
   }
-  fixed.shape = std::make_unique<btBvhTriangleMeshShape>(fixed.triangles.get(), true);
+  // Compressed nodes have 21 bits for the number of a triangle.
+  const bool fits = fixed.triangles->getNumTriangles() < 1 << 21;
+  fixed.shape = std::make_unique<btBvhTriangleMeshShape>(fixed.triangles.get(), fits);
   fixed.shape->setMargin(0);
   return fixed;
 }

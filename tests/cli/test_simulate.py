@@ -61,10 +61,19 @@ class Bodies(ProgramCase):
         self.assertAlmostEqual(scene["animation"]["/objects/0/translate"][-1][1][1], 1, delta=1e-3)
         self.assertAlmostEqual(scene["animation"]["/objects/0/rotate"][-1][1][2], 90, delta=1)
 
+    def test_the_rate_is_that_of_the_scene(self):
+        self.scene = self.write("scene.json", {**BODIES, "frames": {"first": 1, "last": 3, "rate": 30}})
+        self.assertEqual(self.simulated("--frames", "1-3")["frames"]["rate"], 30)
+        self.assertEqual(self.simulated("--frames", "1-3", "--rate", 12)["frames"]["rate"], 12)
+
     def test_relative_paths_lead_from_the_other_folder(self):
         (self.folder / "deep").mkdir()
+        self.write("lens.json", {"volcaustic": 1, "shape": {"type": "sphere", "radius": 0.5}})
+        self.scene = self.write("scene.json", {**BODIES, "objects": BODIES["objects"] + [
+            {"name": "lens", "shape": "lens.json", "translate": [0, 4, 1]}]})
         scene = self.simulated("--frames", "1-3", out="deep/out.json")
         self.assertEqual(scene["objects"][1]["mesh"], "../octahedron.obj")
+        self.assertEqual(scene["objects"][3]["shape"], "../lens.json")
         self.succeed("scene", "check", self.path("deep/out.json"))
 
     def test_says_what_is_wrong(self):
@@ -74,6 +83,10 @@ class Bodies(ProgramCase):
         self.assertIn("ball, stone, block, floor", message(2, "--fixed", "bowl"))
         self.assertIn("NAME=X,Y,Z", message(2, "--velocity", "ball=1,2"))
         self.assertIn("density", message(2, "--density", "ball=0"))
+        self.assertIn("is fixed", message(2, "--velocity", "floor=1,0,0"))
+        self.assertIn("45 degrees", message(2, "--spin", "ball=0,0,1e6"))
+        self.assertIn("left the numbers", message(3, "--velocity", "ball=1e39,0,0"))
+        self.assertIn("no folder", self.fail_with(3, "simulate", "bodies", self.scene, "-o", self.path("none/out.json")))
         self.assertIn("step", message(2, "--frames", "1-9x2"))
         self.write("octahedron.obj", "\n".join(OCTAHEDRON.splitlines()[:-1]) + "\n")
         self.assertIn("stone: has 3 open edges", message(3))
@@ -137,6 +150,8 @@ class Mixing(ProgramCase):
         self.assertIn("resolution", self.fail_with(2, "simulate", "mixing", "-o", self.path("m.vdb"), "--resolution", 2))
         self.assertIn("cells wide", self.fail_with(2, *MIXING, "-o", self.path("m.vdb"), "--size", 1, 1, 0.01))
         self.fail_with(2, *MIXING, "-o", self.path("mix.png"))
+        self.assertIn("####", self.fail_with(2, *MIXING, "-o", "-"))
+        self.assertIn("smaller than a cell", self.fail_with(2, *MIXING, "-o", self.path("m.vdb"), "--inflow-radius", 1e-4))
         self.fail_with(3, "simulate", "mixing", "-o", self.path("m.vdb"), "--memory-limit", "1M")
 
 

@@ -1,5 +1,6 @@
 // The flow of two fluids: each part of a step against what is known of it, then the whole.
 #include "simulation/mixing_state.h"
+#include "volume/vdb_file.h"
 #include "volcaustic/error.h"
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <iterator>
 #include <numbers>
+#include <openvdb/openvdb.h>
 
 namespace volcaustic::test {
 namespace {
@@ -137,7 +139,7 @@ TEST(Pressure, LeavesNoDivergenceOfAnyFlowInAnyBox) {
     PressureSolver solver(n);
     const int iterations = solver.project(flow, kContext);
     EXPECT_LE(iterations, 40);
-    EXPECT_LT(largestDivergence(flow.velocity, n), 3e-4 * flow.velocity.maxSpeed());
+    EXPECT_LT(largestDivergence(flow.velocity, n), 3e-4 * flow.velocity.maxSpeed({}));
     for (int k = 0; k < n[2]; ++k) EXPECT_EQ(flow.velocity.component[0].at(0, 1, k), 0); // walls
     // What is free of divergence stays as it is.
     const Flow before = flow;
@@ -244,24 +246,95 @@ TEST(Mixing, SameBitsForAnyNumberOfThreadsAndOtherOnesForAnotherSeed) {
 TEST(Mixing, GoesOnAfterItWasStopped) {
   MixingOptions options;
   options.resolution = 24;
-  std::atomic<bool> stop{false};
+  options.inflow = 3; // so that a frame takes several steps
+  std::atomic<bool> stop{false}, stopping{false};
   RunContext ctx;
   ctx.cancel = &stop;
+  ctx.onProgress = [&](std::string_view, double part) { stop = stopping && part > 0 && part < 1; };
   MixingSimulation stopped(options, ctx), other(options);
   stopped.advance();
-  stop = true;
+  stopping = true;
   try {
     stopped.advance();
     ADD_FAILURE() << "not stopped";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::Cancelled);
   }
+  EXPECT_TRUE(stop) << "within the frame";
   EXPECT_EQ(stopped.frame(), 1);
-  stop = false;
+  stop = stopping = false;
   stopped.advance();
   other.advance();
   other.advance();
   EXPECT_EQ(cellsOf(stopped), cellsOf(other));
+}
+
+/// What diffuses stays in the box, also next to its walls.
+TEST(Mixing, DiffusionKeepsWhatFlowedIn) {
+  MixingOptions options;
+  options.resolution = 24;
+  options.buoyancy = 0;
+  options.disturbance = 0;
+  const auto held = [&](double diffusion) {
+    options.diffusion = diffusion;
+    MixingSimulation flow(options);
+    for (int f = 0; f < 6; ++f) flow.advance();
+    double sum = 0;
+    for (const float c : cellsOf(flow)) sum += c;
+    return sum;
+  };
+  EXPECT_NEAR(held(.02), held(0), .01 * held(0));
+}
+
+TEST(Mixing, AHoleLetsInWhatItsAreaDoes) {
+  MixingOptions options;
+  options.resolution = 32;
+  options.buoyancy = options.disturbance = 0;
+  for (const double radius : {.012, .05, .2}) {
+    options.inflowRadius = radius;
+    MixingSimulation flow(options);
+    for (int f = 0; f < 4; ++f) flow.advance();
+    double sum = 0;
+    for (const float c : cellsOf(flow)) sum += c;
+    const double cell = flow.domain().voxelSize, expected = std::numbers::pi * radius * radius * options.inflow * 4 / 24;
+    EXPECT_NEAR(sum * cell * cell * cell, expected, .02 * expected) << radius;
+  }
+  options.inflowRadius = 1e-4;
+  EXPECT_THROW(MixingSimulation{options}, Error);
+}
+
+TEST(Mixing, FilesHoldWhatTheCellsHold) {
+  MixingOptions options;
+  options.resolution = 16;
+  options.center = {1, 2, 3};
+  options.disturbance = 0;
+  MixingSimulation flow(options);
+  for (int f = 0; f < 8; ++f) flow.advance();
+  const auto file = std::filesystem::temp_directory_path() / "volcaustic-mixing-values.vdb";
+  flow.write(file);
+  initialiseOpenVdb();
+  openvdb::io::File in(file.string());
+  in.open();
+  const auto amount = openvdb::gridPtrCast<openvdb::FloatGrid>(in.readGrid("concentration"));
+  const auto velocity = openvdb::gridPtrCast<openvdb::Vec3SGrid>(in.readGrid("velocity"));
+  in.close();
+  std::filesystem::remove(file);
+  const Domain& domain = flow.domain();
+  for (int k = 0; k < 16; ++k)
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 16; ++i) {
+        const openvdb::Coord at(i, j, k);
+        ASSERT_EQ(amount->tree().getValue(at), flow.concentration({i, j, k}));
+        const openvdb::Vec3d middle = amount->transform().indexToWorld(at);
+        const Vec3i cell{i, j, k};
+        for (int a = 0; a < 3; ++a)
+          ASSERT_NEAR(middle[a], domain.minCorner[a] + (cell[a] + .5) * domain.voxelSize, 1e-6);
+      }
+  // The faces of the hole: upwards, at the speed of the jet.
+  EXPECT_NEAR(velocity->tree().getValue({8, 8, 0})[2], options.inflow, 2e-3);
+  EXPECT_EQ(velocity->tree().getValue({1, 1, 0})[2], 0);
+  EXPECT_EQ(velocity->tree().getValue({0, 8, 8})[0], 0) << "a wall";
+  EXPECT_EQ(velocity->tree().getValue({8, 0, 8})[1], 0) << "a wall";
 }
 
 TEST(Mixing, WritesTheSameBytes) {

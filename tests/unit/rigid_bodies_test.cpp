@@ -101,6 +101,41 @@ TEST(RigidBodies, FallAsGalileoSays) {
   }
 }
 
+TEST(RigidBodies, MoveAlikeWhereverTheirMeshLies) {
+  for (const double far : {0., 1e4, 1e6}) {
+    RigidBody body = movingBody(cuboidMesh({1, 1, 1}, {far, -far, far}), {0, 0, 0});
+    body.velocity = {1, 0, 0};
+    const Frames frames = simulateRigidBodies(std::vector{body}, 25, {.gravity = {0, 0, 0}});
+    EXPECT_NEAR(frames.back()[0].translate[0], 1, 1e-4) << far;
+  }
+}
+
+TEST(RigidBodies, WholeTurnsWithinAFrameCount) {
+  RigidBody body = movingBody(cuboidMesh({1, 1, 1}), {0, 0, 0});
+  body.spin = {0, 0, 7200};
+  const Frames frames = simulateRigidBodies(std::vector{body}, 4, {.gravity = {0, 0, 0}});
+  for (int f = 0; f < 4; ++f) EXPECT_NEAR(frames[f][0].rotate[2], 300 * f, .5);
+}
+
+TEST(RigidBodies, MassesAreScaledWhateverTheOrder) {
+  for (const bool floorFirst : {true, false}) {
+    RigidBody light = movingBody(cuboidMesh({1e-3, 1e-3, 1e-3}), {0, 0, 1});
+    light.density = 1e-4;
+    std::vector<RigidBody> bodies{light, fixedFloor(0)};
+    if (floorFirst) std::swap(bodies[0], bodies[1]);
+    const Frames frames = simulateRigidBodies(bodies, 5);
+    EXPECT_NEAR(frames[4][floorFirst ? 1 : 0].translate[2], 1 - .5 * 9.81 / 36, 1e-3) << floorFirst;
+  }
+}
+
+TEST(RigidBodies, SmallOnesRestBesideLargeOnes) {
+  std::vector<RigidBody> bodies{movingBody(cuboidMesh({2, 2, 2}), {5, 0, 1}), movingBody(cuboidMesh({.02, .02, .02}), {0, 0, .01}),
+                                fixedFloor(0)};
+  const Frames frames = simulateRigidBodies(bodies, 49);
+  EXPECT_NEAR(frames.back()[0].translate[2], 1, .02);
+  EXPECT_NEAR(frames.back()[1].translate[2], .01, .0005);
+}
+
 TEST(RigidBodies, TurnAboutTheirCentreAndKeepScaleAndShear) {
   RigidBody body = movingBody(cuboidMesh({1, 1, 1}, {.5, .5, .5}), {0, 0, 0});
   body.placement.scale = {2, 1, 1};
@@ -218,6 +253,15 @@ TEST(RigidBodies, SayWhatIsWrong) {
   RigidBody light = good;
   light.density = 0;
   EXPECT_NE(messageOf({light}, ErrorKind::Usage).find("density"), std::string::npos);
+  RigidBody broken = fixedFloor(0);
+  auto mesh = std::make_shared<Mesh>(*broken.mesh);
+  mesh->triangles[0][1] = 99;
+  broken.mesh = mesh;
+  EXPECT_NE(messageOf({good, broken}, ErrorKind::Input).find("floor: mesh: triangle 0"), std::string::npos);
+  mesh = std::make_shared<Mesh>(*fixedFloor(0).mesh);
+  mesh->positions[2][0] = std::nan("");
+  broken.mesh = mesh;
+  EXPECT_NE(messageOf({good, broken}, ErrorKind::Input).find("not finite"), std::string::npos);
   EXPECT_NE(messageOf({good}, ErrorKind::Usage, {.steps = 0}).find("steps"), std::string::npos);
   EXPECT_THROW(simulateRigidBodies(std::vector{good}, 0), Error);
   std::atomic<bool> stop{true};

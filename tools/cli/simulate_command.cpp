@@ -36,6 +36,8 @@ void declareMixing(CLI::App& command, SimulateMixing& o) {
 
 int runMixing(const SimulateMixing& o) {
   Job job("simulate mixing", o.common);
+  if (o.output == "-")
+    throw Error(ErrorKind::Usage, "--output -: a sequence is no single file; give a name with #### for the frame");
   checkOutput(o.output, FileKind::Volume);
   struct Wanted {
     int frame;
@@ -68,6 +70,7 @@ struct SimulateBodies {
   CommonOptions common;
   std::string scene, output;
   std::string frames = "1-48";
+  const CLI::Option* rate = nullptr; ///< whose default is the scene's
   std::vector<std::string> fixed, velocity, spin, density, friction, restitution;
   RigidBodyOptions options;
 };
@@ -87,19 +90,26 @@ void declareBodies(CLI::App& command, SimulateBodies& o) {
   named("--restitution", o.restitution, "NAME=NUMBER",
         "part of the speed that is left after a collision, 0 to 1; of a pair the product; default 0.5");
   addFlags(command, o.options);
+  o.rate = command.get_option("--rate");
 }
 
 void applySettings(const SimulateBodies& o, std::span<SceneBody> bodies) {
   for (const std::string& name : o.fixed) bodies[bodyNamed("--fixed", name, bodies)].body.fixed = true;
+  const auto requireMoving = [&](const char* flag, const std::string& text, const SceneBody& body) {
+    if (body.body.fixed)
+      throw Error(ErrorKind::Usage, fmt::format("{} {}: is fixed; leave that out, or let it move", flag, text));
+  };
   const auto numbers = [&](const char* flag, const std::vector<std::string>& values, double RigidBody::*member) {
     for (const std::string& text : values) {
       const NamedNumbers given = namedNumbers(flag, text, 1, bodies);
+      if (member == &RigidBody::density) requireMoving(flag, text, bodies[given.body]);
       bodies[given.body].body.*member = given.numbers.front();
     }
   };
   const auto vectors = [&](const char* flag, const std::vector<std::string>& values, Vec3d RigidBody::*member) {
     for (const std::string& text : values) {
       const NamedNumbers given = namedNumbers(flag, text, 3, bodies);
+      requireMoving(flag, text, bodies[given.body]);
       bodies[given.body].body.*member = {given.numbers[0], given.numbers[1], given.numbers[2]};
     }
   };
@@ -126,23 +136,29 @@ int runBodies(const SimulateBodies& o) {
   Job job("simulate bodies", o.common);
   if (std::filesystem::path(o.output).extension() != ".json")
     throw Error(ErrorKind::Usage, "--output " + o.output + ": is a scene; end its name in .json");
+  checkOutput(o.output, FileKind::Scene);
+  RigidBodyOptions options = o.options;
   const std::vector<int> frames = parseFrames(o.frames);
   if (frames.back() - frames.front() + 1 != static_cast<int>(frames.size()))
     throw Error(ErrorKind::Usage, "--frames " + o.frames + ": leaves frames out; give A-B without a step");
   job.addInput(o.scene);
   SceneReadOptions read;
   read.frame = frames.front();
-  if (isGltf(o.scene)) read.framesPerSecond = o.options.framesPerSecond;
+  if (isGltfName(o.scene)) {
+    read.framesPerSecond = options.framesPerSecond;
+    job.context().warn(o.scene + ": what its animation moves stands as in the first frame; bodies alone get keys");
+  }
   const Scene scene = job.timed("read", [&] { return readScene(o.scene, read, job.context()); });
+  if (o.rate->count() == 0) options.framesPerSecond = scene.frames.rate;
   std::vector<SceneBody> bodies = job.timed("surfaces", [&] { return sceneBodies(scene, job.context()); });
   applySettings(o, bodies);
   std::vector<RigidBody> rigid;
   for (const SceneBody& body : bodies) rigid.push_back(body.body);
   const auto placements = job.timed(
-      "bodies", [&] { return simulateRigidBodies(rigid, static_cast<int>(frames.size()), o.options, job.context()); });
+      "bodies", [&] { return simulateRigidBodies(rigid, static_cast<int>(frames.size()), options, job.context()); });
   const std::vector<ObjectKeys> keys = keysOf(bodies, placements);
   if (keys.empty()) job.context().warn("nothing moves: every object is fixed, a volume or not visible");
-  writeJson(o.output, withKeys(o.scene, scene, o.output, frames, o.options.framesPerSecond, keys));
+  writeJson(o.output, withKeys(o.scene, scene, o.output, frames, options.framesPerSecond, keys));
   job.addOutput(o.output);
   job.report()["moving"] = keys.size();
   job.report()["fixed"] = bodies.size() - keys.size();

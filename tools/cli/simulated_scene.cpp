@@ -12,7 +12,7 @@ namespace {
 
 Json parsed(const std::filesystem::path& path, const Scene& scene) {
   std::string text;
-  if (isGltf(path)) {
+  if (isGltfName(path)) {
     text = sceneToJson(scene);
   } else {
     std::ifstream file(path, std::ios::binary);
@@ -39,6 +39,7 @@ public:
       for (Json& entry : scene[section]) {
         path(entry, "mesh");
         path(entry, "volume");
+        path(entry, "shape"); // a file's name, or
         if (entry.contains("shape")) shape(entry["shape"]);
       }
     }
@@ -81,11 +82,6 @@ Json track(std::span<const int> frames, std::span<const Placement> placements, V
 }
 
 } // namespace
-
-bool isGltf(const std::filesystem::path& scene) {
-  const std::string extension = scene.extension().string();
-  return extension == ".gltf" || extension == ".glb";
-}
 
 Json withKeys(const std::filesystem::path& from, const Scene& scene, const std::filesystem::path& to,
               std::span<const int> frames, double rate, std::span<const ObjectKeys> keys) {

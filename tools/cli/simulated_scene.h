@@ -17,9 +17,6 @@ struct ObjectKeys {
   std::vector<Placement> placements;
 };
 
-/// A scene without a text that keys could be added to.
-bool isGltf(const std::filesystem::path& scene);
-
 /// What is in the scene file `from` (of a glTF file what `scene` holds of it), with tracks for the objects that move,
 /// with `frames`, and with relative paths that lead from the folder of `to`. Tracks that were there for the same places
 /// give way. \throws Error(Input).

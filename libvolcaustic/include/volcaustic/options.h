@@ -312,7 +312,7 @@ template <class Visitor>
 void describe(Visitor&& visit, RigidBodyOptions& o) {
   visit("gravity", o.gravity, FieldDoc{"acceleration of everything that is not fixed", "world/s2", -kHuge, kHuge});
   visit("rate", o.framesPerSecond, FieldDoc{"frames per second", "1/s", 0.01, 1e4});
-  visit("steps", o.steps, FieldDoc{"of the simulation for each frame", "", 1, 1000});
+  visit("steps", o.steps, FieldDoc{"of the simulation for each frame", "", 1, 100});
 }
 
 template <class Visitor>

@@ -116,6 +116,8 @@ VOLCAUSTIC_API Scene readScene(const std::filesystem::path& path, const SceneRea
 /// The same from JSON text; `name` stands for the file in messages and its folder resolves relative paths.
 VOLCAUSTIC_API Scene parseScene(const std::string& text, const std::filesystem::path& name,
                                 const SceneReadOptions& options = {});
+/// True for the names of glTF files, by extension.
+VOLCAUSTIC_API bool isGltfName(const std::filesystem::path& path);
 /// The file that SceneObject::meshFile names: "x.glb" of "x.glb#/meshes/0", else itself.
 VOLCAUSTIC_API std::filesystem::path sceneMeshFile(const std::filesystem::path& reference);
 /// Canonical JSON of a scene: every field, keys in documented order.
