@@ -15,6 +15,7 @@ class XxHash64 {
 public:
   /// The parts that the bytes come in do not matter.
   void add(const void* data, std::size_t size) {
+    if (size == 0) return; // of an empty list, whose data may be null
     const auto* p = static_cast<const unsigned char*>(data);
     const std::size_t held = mSize % kStripe;
     mSize += size;

@@ -123,6 +123,23 @@ TEST(ViewerDisplay, LayersOfAPicture) {
   EXPECT_EQ(displayed(image, "picture", 1).rgba[1], 255);
 }
 
+TEST(ViewerDisplay, SlicesOfLightAreShownByWhatIsLit) {
+  VolumeSlice slice;
+  slice.columns = 100;
+  slice.rows = 2;
+  slice.values.assign(200, Vec3f{0, 0, 0});
+  for (int i = 0; i < 100; ++i) slice.values[static_cast<std::size_t>(i)] = {40, 20, 0};
+  slice.values[0] = {4000, 0, 0}; // a caustic does not darken the rest
+  EXPECT_EQ(whiteOf(slice), 40);
+  const auto shown = displayed(slice, VolumeLayer::Radiance, {});
+  EXPECT_EQ(shown.rgba[4], 255);
+  EXPECT_EQ(shown.rgba[5], 188);
+  EXPECT_EQ(displayed(slice, VolumeLayer::Radiance, {.exposure = -1}).rgba[4], 188);
+  EXPECT_EQ(shown.rgba[4 * 150], 0);
+  slice.values.assign(200, Vec3f{0, 0, 0});
+  EXPECT_EQ(displayed(slice, VolumeLayer::Radiance, {}).rgba[0], 0);
+}
+
 TEST(ViewerScript, ReadsCommandsAndSaysWhereOneIsWrong) {
   const auto commands = parseScript("# a comment\nwait\n\ndrag 1 2 3.5 4 right # so\nset a.b = [1, 2]\n", "s");
   ASSERT_EQ(commands.size(), 3u);

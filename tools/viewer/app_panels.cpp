@@ -190,6 +190,9 @@ void App::drawLayers() {
   float position = static_cast<float>(mSlice.position), stops = static_cast<float>(mSliceLook.exposure);
   changed |= ImGui::SliderFloat("position", &position, 0, 1);
   changed |= ImGui::SliderFloat("light", &stops, -10, 10, "%.1f stops");
+  if (mSliceShown && isLight(mSlice.layer))
+    ImGui::TextDisabled("white is %.3g %s", whiteOf(mSliceValues) * std::exp2(-mSliceLook.exposure),
+                        mSlice.layer == VolumeLayer::Energy ? "W/m3" : "W/(m2 sr)");
   mSlice.position = position;
   mSliceLook.exposure = stops;
   changed |= ImGui::Checkbox("colours", &mSliceLook.colours);
@@ -211,7 +214,7 @@ void App::drawHistogram() {
   std::vector<float> heights;
   for (const float n : mHistogram.counts) heights.push_back(std::log1p(n));
   ImGui::PlotHistogram("##histogram", heights.data(), static_cast<int>(heights.size()), 0, nullptr, 0, FLT_MAX,
-                       {-1, 110});
+                       {ImGui::GetContentRegionAvail().x, 110});
   ImGui::Text("%.4g to %.4g%s", mHistogram.least, mHistogram.greatest, mHistogram.logarithmic ? ", by decades" : "");
 }
 

@@ -70,9 +70,19 @@ bool isLight(VolumeLayer layer) {
          layer == VolumeLayer::Energy;
 }
 
+float whiteOf(const VolumeSlice& slice) {
+  std::vector<float> lit;
+  for (const Vec3f& v : slice.values)
+    if (const float most = *std::max_element(v.begin(), v.end()); most > 0) lit.push_back(most);
+  if (lit.empty()) return 1;
+  const auto white = lit.begin() + static_cast<std::ptrdiff_t>(.98 * static_cast<double>(lit.size() - 1));
+  std::nth_element(lit.begin(), white, lit.end());
+  return *white;
+}
+
 Pixels displayed(const VolumeSlice& slice, VolumeLayer layer, const SliceLook& look) {
   Pixels pixels = blank(slice.columns, slice.rows);
-  const double scale = std::exp2(look.exposure);
+  const double scale = std::exp2(look.exposure) / whiteOf(slice);
   const double range = slice.greatest > slice.least ? slice.greatest - slice.least : 1;
   for (std::size_t i = 0; i < slice.values.size(); ++i) {
     const Vec3f& v = slice.values[i];

@@ -23,11 +23,13 @@ std::vector<std::string> layersOf(const Image& image);
 Pixels displayed(const Image& image, const std::string& layer, double exposure);
 
 struct SliceLook {
-  double exposure = 0;      ///< stops, of light
+  double exposure = 0;      ///< stops, of light, over whiteOf() the slice
   bool colours = true;      ///< numbers as colours from blue (least) over green to red, else grey
   std::uint8_t alpha = 255; ///< of all
 };
 bool isLight(VolumeLayer layer);
+/// Of light, what is shown as white at exposure 0: a fiftieth of the voxels that are lit have more; 1 in the dark.
+float whiteOf(const VolumeSlice& slice);
 Pixels displayed(const VolumeSlice& slice, VolumeLayer layer, const SliceLook& look);
 
 /// From dark blue over green to yellow: t from 0 to 1, brighter for more (a cubic fit in the manner of viridis).
