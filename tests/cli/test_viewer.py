@@ -17,6 +17,29 @@ VIEWER = pathlib.Path(PROGRAM).parent / "volcaustic-view"
 RESOLUTION = [485, 395]
 
 
+def place(point, position=(0, -4, 1), target=(0, 0, 0)):
+    """Where a camera of 40 degrees shows a point in the window, and at which depth."""
+    def minus(a, b):
+        return [x - y for x, y in zip(a, b)]
+
+    def dot(a, b):
+        return sum(x * y for x, y in zip(a, b))
+
+    def cross(a, b):
+        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+    def unit(a):
+        return [x / math.sqrt(dot(a, a)) for x in a]
+
+    forward = unit(minus(target, position))
+    right = unit(cross(forward, [0, 0, 1]))
+    up = cross(right, forward)
+    away = minus(point, position)
+    depth = dot(away, forward)
+    scale = 395 / math.tan(math.radians(20)) / depth
+    return 485 + scale * dot(away, right), 395 - scale * dot(away, up), depth
+
+
 @unittest.skipUnless(VIEWER.exists(), "volcaustic-view was not built")
 @unittest.skipUnless(shutil.which("Xvfb"), "Xvfb is not installed")
 class ViewerCase(ProgramCase):
@@ -62,12 +85,52 @@ class ViewerCase(ProgramCase):
 
 class TestScripts(ViewerCase):
     def test_the_window_shows_what_render_writes(self):
-        self.run_script("wait", "key o", "frames 2", "screenshot a.png", "save saved.json")
-        self.succeed("render", self.path("saved.json"), "-o", self.path("r.png"), cwd=self.folder)
-        _, _, rendered = read_png(self.path("r.png"))
-        shown = self.picture("a.png")
-        self.assertLess(difference(shown, rendered), 1, "dither and rounding")
-        self.assertGreater(difference(shown, [bytes(len(r)) for r in rendered]), 3, "and not black")
+        self.run_script("wait", "key o", "frames 2", "screenshot a.png", "save a.json",
+                        "set view.exposure=2", "wait", "frames 2", "screenshot b.png", "save b.json")
+        for name in "ab":
+            self.succeed("render", self.path(name + ".json"), "-o", self.path("r.png"), cwd=self.folder)
+            _, _, rendered = read_png(self.path("r.png"))
+            shown = self.picture(name + ".png")
+            self.assertLess(difference(shown, rendered), 1, "dither and rounding")
+            self.assertGreater(difference(shown, [bytes(len(r)) for r in rendered]), 3, "and not black")
+
+    def test_lights_and_handles_follow_the_hand(self):
+        soft = {"mesh": "octahedron.obj", "deform": [{"type": "handle", "center": [.5, 0, 0], "radius": .1},
+                                                     {"type": "handle", "center": [-.5, 0, 0], "radius": .1}]}
+        lamp = {"type": "point", "position": [-.6, .3, .9]}
+        scene = self.write_small_scene(objects=[soft], lights=[lamp], animation={}, camera={"resolution": RESOLUTION})
+        lines = []
+        for point in ([.5, 0, 0], lamp["position"]):
+            x, y, _ = place(point)
+            lines.append(f"drag {x:.1f} {y:.1f} {x + 60:.1f} {y:.1f}")
+        self.run_script("wait", *lines, "wait rough", "save saved.json", scene=scene)
+        for point, moved in (([0, 0, 0], self.saved()["objects"][0]["deform"][0]["translate"]),
+                             (lamp["position"], self.saved()["lights"][0]["position"])):
+            depth = place([.5, 0, 0] if point == [0, 0, 0] else point)[2]
+            shift = 60 / 790 * 2 * math.tan(math.radians(20)) * depth
+            for got, expected in zip(moved, [point[0] + shift, point[1], point[2]]):
+                self.assertAlmostEqual(got, expected, delta=.005)
+        self.assertEqual(self.saved()["objects"][0]["deform"][1]["translate"], [0, 0, 0])
+
+    def test_a_hand_that_rests_lets_the_picture_refine(self):
+        self.run_script("wait", "move 40 100", "press left", "move 60 100", "wait", "release", "frames 2", "wait")
+
+    def test_what_fails_ends_a_script_at_its_line(self):
+        for line, status, words in [("device nonsense", 2, "nonsense"), ("set objects.0.mesh=none.obj", 3, "none.obj"),
+                                    ("save .", 3, "cannot be written"), ("frame 2", 3, "drop.0002.obj")]:
+            self.write("drop.0001.obj", (self.folder / "octahedron.obj").read_text())
+            scene = self.write_small_scene(objects=[{"mesh": "drop.####.obj"}], animation={})
+            script = self.write("bad.txt", f"frames 1\n{line}\nwait\nlayer depth\nquit\n")
+            done = self.view(scene, "--script", script)
+            self.assertEqual(done.returncode, status, (line, done.stderr))
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertRegex(done.stderr, r"bad\.txt:[23]: ")
+            self.assertIn(words, done.stderr)
+
+    def test_a_scene_saved_elsewhere_finds_its_files(self):
+        (self.folder / "other").mkdir()
+        self.run_script("save other/s.json")
+        self.succeed("scene", "check", self.path("other/s.json"))
 
     def test_a_drag_orbits_by_half_a_turn_a_height(self):
         before = json.loads(pathlib.Path(self.scene).read_text())["camera"]
@@ -126,14 +189,19 @@ class TestScripts(ViewerCase):
         scene = self.write_small_scene(frames={"first": 1, "last": 3})
         self.run_script("wait", "frame 3", "wait", "save saved.json", scene=scene)
         self.assertEqual(self.saved()["lights"][0]["direction"], [-0.2, 0.1, -1])
+        # Edits end with their frame; undo brings them back.
+        self.run_script("wait", "drag 485 395 585 395", "frame 2", "save a.json", "undo", "save b.json", scene=scene)
+        self.assertEqual(self.saved("a.json")["objects"][0]["translate"], [0, 0, 0])
+        self.assertNotEqual(self.saved("b.json")["objects"][0]["translate"], [0, 0, 0])
 
     def test_bad_scripts_are_one_line_each(self):
-        for line, words in [("dance", "is no command"), ("drag 1 2", "needs more words"), ("drag 1 2 3 x", "is not a number"),
+        for line, words in [("dance", "is no command"), ("drag 1 2", "needs more words"), ("drag 1 2 3 x", "does not fit"), ("frames inf", "does not fit"),
+                            ("iso much", "does not fit"), ("wait longer", "does not fit"), ("slice radiance y 5", "0 to 1"),
                             ("frames 1 2", "is too much"), ("set photons.grit=3", "grid"), ("layer nothing", "no layer"),
                             ("slice light", "no layer of the volume"), ("select nobody", "no object is called")]:
             script = self.write("bad.txt", "frames 1\n" + line + "\n")
             done = self.view(self.scene, "--script", script)
-            self.assertIn(done.returncode, (2, 3), line)
+            self.assertEqual(done.returncode, 2, line)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             self.assertIn("bad.txt:2: ", done.stderr)
             self.assertIn(words, done.stderr)

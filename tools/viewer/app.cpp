@@ -15,12 +15,33 @@ namespace {
 /// What has no name of its own is written by the name that a person gave it, as a whole or not at all.
 void writeText(const std::filesystem::path& path, const std::string& text) {
   const std::filesystem::path beside = path.string() + ".part";
+  std::error_code failed;
   {
     std::ofstream file(beside, std::ios::binary);
     file << text;
-    if (!file.flush()) throw Error(ErrorKind::File, path.string() + ": cannot be written; choose another folder");
+    if (!file.flush()) failed = std::make_error_code(std::errc::io_error);
   }
-  std::filesystem::rename(beside, path);
+  if (!failed) std::filesystem::rename(beside, path, failed);
+  if (!failed) return;
+  std::error_code ignored;
+  std::filesystem::remove(beside, ignored);
+  throw Error(ErrorKind::File, path.string() + ": cannot be written; choose another name or folder");
+}
+
+/// With paths that lead to the same files from another folder.
+Scene rebased(Scene scene, const std::filesystem::path& folder) {
+  const std::filesystem::path to = std::filesystem::absolute(folder).lexically_normal();
+  const auto rebase = [&](std::filesystem::path& path) {
+    if (!path.empty()) path = std::filesystem::absolute(path).lexically_normal().lexically_proximate(to);
+  };
+  for (SceneObject& o : scene.objects) {
+    rebase(o.meshFile);
+    rebase(o.volumeFile);
+  }
+  for (SceneReceiver& r : scene.receivers) rebase(r.meshFile);
+  rebase(scene.volume.file);
+  rebase(scene.background.file);
+  return scene;
 }
 
 } // namespace
@@ -31,7 +52,6 @@ App::App(ViewerOptions options)
     , mHistory(readScene(mOptions.scene, mOptions.read, mOptions.context))
     , mSurfaces(mHistory.current(), mOptions.context)
     , mDevice(mOptions.context.device)
-    , mExposure(mHistory.current().view.exposure)
     , mFrame(static_cast<int>(mOptions.read.frame)) {
   if (!mOptions.script.empty()) mScript = readScript(mOptions.script);
   mLive = std::make_unique<LiveSession>(mHistory.current(), LiveOptions{}, mOptions.context);
@@ -50,6 +70,13 @@ void App::run() {
   }
 }
 
+/// What cannot be done ends a script, at its line; a person reads why and goes on.
+void App::fail(const Error& error) {
+  if (mOptions.script.empty()) return say(error.what());
+  const std::size_t last = std::min(mCommand, mScript.size() - 1);
+  throw Error(error.kind(), mOptions.script.string() + ":" + std::to_string(mScript[last].line) + ": " + error.what());
+}
+
 void App::say(std::string text) {
   mMessage = std::move(text);
   mMessageTime = Clock::now();
@@ -66,22 +93,45 @@ void App::setScene(Scene scene, bool oneStep) {
 
 void App::showHistory(const Scene& scene) { mRevision = mLive->setScene(scene); }
 
+void App::undo() {
+  endDrag();
+  showHistory(mHistory.undo());
+}
+
+void App::redo() {
+  endDrag();
+  showHistory(mHistory.redo());
+}
+
+void App::endDrag() {
+  mDragStart.reset();
+  mOrbiting = mPanning = mEdited = false;
+}
+
 void App::goToFrame(int frame) {
-  mOptions.read.frame = frame;
-  mFrame = frame;
   mFrameTime = Clock::now();
-  Scene scene = readScene(mOptions.scene, mOptions.read, mOptions.context);
-  scene.camera = mHistory.current().camera; // a person looks from where she stands
-  setScene(std::move(scene), false);
+  SceneReadOptions read = mOptions.read;
+  read.frame = frame;
+  try {
+    Scene scene = readScene(mOptions.scene, read, mOptions.context);
+    scene.camera = mHistory.current().camera; // a person looks from where she stands
+    endDrag();
+    setScene(std::move(scene), !mPlaying);
+    mOptions.read = std::move(read);
+    mFrame = frame;
+  } catch (const Error& error) {
+    mPlaying = false;
+    fail(error);
+  }
 }
 
 void App::takeFrame() {
+  const auto now = Clock::now();
+  while (!mPictureTimes.empty() && now - mPictureTimes.front() > std::chrono::seconds(1)) mPictureTimes.pop_front();
   const auto latest = mLive->latest();
   if (!latest || latest == mShown) return;
   mShown = latest;
-  const auto now = Clock::now();
   mPictureTimes.push_back(now);
-  while (now - mPictureTimes.front() > std::chrono::seconds(1)) mPictureTimes.pop_front();
   if (!mShown->error.empty()) say(mShown->error);
   if (!mShown->view) return;
   uploadPicture();
@@ -91,14 +141,19 @@ void App::takeFrame() {
     surface.automaticIsovalue = false;
     surface.isovalue = mIsovalue;
     surface.sharpen = false;
-    mIso = surfaceFromMedium(*mShown->medium, surface, mOptions.context);
+    try {
+      mIso = surfaceFromMedium(*mShown->medium, surface, mOptions.context);
+    } catch (const Error& error) {
+      mIso = {};
+      fail(error);
+    }
   }
 }
 
 void App::uploadPicture() {
   if (!mShown || !mShown->view) return;
   const Image& image = mShown->view->image;
-  mPicture.set(displayed(image, mLayer, mExposure), mShown->reduction == 1);
+  mPicture.set(displayed(image, mLayer, mHistory.current().view.exposure), mShown->reduction == 1);
   if (mSliceShown) return;
   const std::string prefix = mLayer == "picture" ? "" : mLayer + ".";
   const int plane = std::max({image.find(prefix + "G"), image.find(prefix + "Z"), image.find(prefix + "Y")});
@@ -106,7 +161,7 @@ void App::uploadPicture() {
 }
 
 void App::uploadSlice() {
-  if (!mShown || !mShown->flat) return;
+  if (!mShown || !mShown->flat || !mShown->photons) return;
   mSliceValues = sliceVolume(*mShown->flat, *mShown->photons, mSlice);
   mSlicePicture.set(displayed(mSliceValues, mSlice.layer, mSliceLook), true);
   std::vector<float> values;
@@ -116,20 +171,20 @@ void App::uploadSlice() {
 }
 
 void App::saveScene(const std::filesystem::path& path) {
-  writeText(path, sceneToJson(mHistory.current()));
+  writeText(path, sceneToJson(rebased(mHistory.current(), std::filesystem::absolute(path).parent_path())));
   say("saved " + path.string());
 }
 
 /// Of the scene as it is, not of a rough picture of it.
 void App::exportTo(const std::filesystem::path& path) {
   const auto whole = mLive->wait(mRevision);
-  if (!whole->error.empty()) throw Error(ErrorKind::Input, whole->error);
+  if (!whole->error.empty()) throw Error(whole->errorKind, whole->error);
   const std::string extension = path.extension().string();
   if (extension == ".vdb" || extension == ".nvdb") {
     writeVdb(path, *whole->photons, *whole->medium, {}, mOptions.context);
   } else {
     ImageWriteOptions write;
-    write.exposure = mExposure;
+    write.exposure = mHistory.current().view.exposure;
     writeImage(path, whole->view->image, write, mOptions.context);
   }
   say("exported " + path.string());
@@ -137,6 +192,7 @@ void App::exportTo(const std::filesystem::path& path) {
 
 void App::saveScreenshot(const std::filesystem::path& path) const {
   const Pixels pixels = mWindow.pixels();
+  if (pixels.width == 0) throw Error(ErrorKind::Usage, path.string() + ": nothing has been drawn yet; wait first");
   Image image;
   image.width = pixels.width;
   image.height = pixels.height;

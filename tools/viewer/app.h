@@ -5,6 +5,7 @@
 #include "script.h"
 #include "window.h"
 
+#include <volcaustic/error.h>
 #include <volcaustic/live.h>
 #include <volcaustic/scene.h>
 
@@ -45,11 +46,15 @@ private:
   // app.cpp: scenes, pictures, files
   void setScene(Scene scene, bool oneStep);
   void showHistory(const Scene& scene);
+  void undo();
+  void redo();
   void goToFrame(int frame);
   void takeFrame();
   void uploadPicture();
   void uploadSlice();
   void say(std::string text);
+  void fail(const Error& error);
+  void endDrag();
   void saveScene(const std::filesystem::path& path);
   void exportTo(const std::filesystem::path& path);
   void saveScreenshot(const std::filesystem::path& path) const;
@@ -61,6 +66,7 @@ private:
   [[nodiscard]] std::optional<Vec3d> placeOf(const Grip& grip) const;
   static void move(Scene& scene, const Grip& grip, const Vec3d& shift);
   [[nodiscard]] const Mesh* surfaceOf(std::size_t object);
+  [[nodiscard]] std::optional<Box> selectedBox();
   void drawOverlay();
 
   // app_panels.cpp
@@ -93,7 +99,6 @@ private:
   std::deque<Clock::time_point> mPictureTimes; ///< of the last second
 
   std::string mLayer = "picture";
-  double mExposure = 0;
   bool mSliceShown = false, mOverlayShown = true, mPlaying = false;
   SliceOptions mSlice;
   VolumeSlice mSliceValues;
@@ -107,7 +112,7 @@ private:
   Grip mSelected, mDragged;
   bool mOrbiting = false, mPanning = false, mEdited = false;
   std::optional<Scene> mDragStart; ///< the scene before a drag
-  Point mDragFrom{};
+  Point mDragFrom{}, mDragLast{};
   double mDragDepth = 1;
   std::vector<std::pair<std::string, std::shared_ptr<const Mesh>>> mPickable; ///< by what it was made from
 
@@ -115,7 +120,8 @@ private:
   std::size_t mCommand = 0;
   std::deque<ScriptedInput> mInputs; ///< of frames to come
   ScriptedInput mInput;
-  int mIdleFrames = 0;
+  int mIdleFrames = 0; ///< that the picture waited for has been shown
+  int mFramesLeft = 0; ///< to pass before the next command
 };
 
 } // namespace volcaustic::viewer

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <GLFW/glfw3.h>
 #include <imgui.h>
+#include <utility>
 
 namespace volcaustic::viewer {
 
@@ -170,7 +171,7 @@ void App::handleMouse() {
   }
   if (over && !mDragStart && (ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1) || ImGui::IsMouseClicked(2))) {
     mDragStart = mHistory.current();
-    mDragFrom = mouse;
+    mDragFrom = mDragLast = mouse;
     mDragged = {};
     if (ImGui::IsMouseClicked(0)) mDragged = mSelected = gripAt(mouse);
     mPanning = ImGui::IsMouseClicked(1);
@@ -180,8 +181,7 @@ void App::handleMouse() {
   }
   if (!mDragStart) return;
   const Point movement = difference(mouse, mDragFrom);
-  const bool moved = movement[0] != 0 || movement[1] != 0;
-  if (moved) {
+  if (std::exchange(mDragLast, mouse) != mouse) {
     Scene next = *mDragStart;
     if (mPanning)
       next.camera = panned(next.camera, movement, mArea);
@@ -193,8 +193,7 @@ void App::handleMouse() {
     mEdited = true;
   }
   if (!io.MouseDown[0] && !io.MouseDown[1] && !io.MouseDown[2]) {
-    mDragStart.reset();
-    mOrbiting = mPanning = mEdited = false;
+    endDrag();
   }
 }
 
@@ -202,8 +201,8 @@ void App::handleKeys() {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput) return;
   for (const KeyPress& press : mWindow.keys()) {
-    if (press.control && press.key == GLFW_KEY_Z) showHistory(mHistory.undo());
-    if (press.control && press.key == GLFW_KEY_Y) showHistory(mHistory.redo());
+    if (press.control && press.key == GLFW_KEY_Z) undo();
+    if (press.control && press.key == GLFW_KEY_Y) redo();
     if (press.control && press.key == GLFW_KEY_Q) mWindow.close();
     if (press.control) continue;
     const SceneFrames& frames = mHistory.current().frames;
@@ -214,6 +213,23 @@ void App::handleKeys() {
       mSliceShown ? uploadSlice() : uploadPicture();
     }
   }
+}
+
+/// Of the selected object. While it is dragged its triangles are those of the start, shifted.
+std::optional<Box> App::selectedBox() {
+  const std::size_t i = mSelected.object;
+  const std::vector<SceneObject>& objects = mHistory.current().objects;
+  if (mSelected.kind != Grip::Kind::Object || i >= objects.size()) return std::nullopt;
+  const bool dragged = mDragStart && mDragged == mSelected && i < mPickable.size();
+  const Mesh* mesh = dragged ? mPickable[i].second.get() : surfaceOf(i);
+  if (!mesh) return std::nullopt;
+  Box box = bounds(*mesh);
+  for (int a = 0; dragged && a < 3; ++a) {
+    const double shift = objects[i].placement.translate[a] - mDragStart->objects[i].placement.translate[a];
+    box.min[a] += shift;
+    box.max[a] += shift;
+  }
+  return box;
 }
 
 void App::drawOverlay() {
@@ -246,11 +262,7 @@ void App::drawOverlay() {
     const Domain& domain = mShown->medium->domain();
     box(domain.minCorner, domain.maxCorner(), IM_COL32(255, 255, 255, 40));
   }
-  if (mSelected.kind == Grip::Kind::Object && mSelected.object < scene.objects.size())
-    if (const Mesh* mesh = surfaceOf(mSelected.object)) {
-      const Box around = bounds(*mesh);
-      box(around.min, around.max, IM_COL32(255, 190, 80, 200));
-    }
+  if (const auto around = selectedBox()) box(around->min, around->max, IM_COL32(255, 190, 80, 200));
   const auto grip = [&](const Grip& g, ImU32 colour) {
     const auto place = placeOf(g);
     const auto at = place ? toScreen(*place) : std::nullopt;

@@ -49,7 +49,8 @@ void drawSurface(ImDrawList& draw, const Mesh& mesh, const Projection& projectio
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     order.emplace_back(-projection.depthOf(mesh.positions[mesh.triangles[t][0]]), t);
   std::sort(order.begin(), order.end());
-  const ImDrawListFlags flags = std::exchange(draw.Flags, ImDrawListFlags_None); // no fringes between triangles
+  const ImDrawListFlags flags = draw.Flags; // no fringes between triangles
+  draw.Flags &= ~ImDrawListFlags_AntiAliasedFill;
   for (const auto& [depth, t] : order) {
     const auto& [i, j, k] = mesh.triangles[t];
     const Vec3d &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
@@ -136,8 +137,8 @@ void App::drawToolbar() {
     ImGui::SameLine();
     return pressed;
   };
-  if (button("undo", mHistory.canUndo())) showHistory(mHistory.undo());
-  if (button("redo", mHistory.canRedo())) showHistory(mHistory.redo());
+  if (button("undo", mHistory.canUndo())) undo();
+  if (button("redo", mHistory.canRedo())) redo();
   try {
     if (button("shot")) {
       saveScreenshot(stem.string() + ".shot.png");
@@ -175,11 +176,15 @@ void App::drawLayers() {
       }
     ImGui::EndCombo();
   }
-  float exposure = static_cast<float>(mExposure);
+  float exposure = static_cast<float>(mHistory.current().view.exposure);
   if (ImGui::SliderFloat("exposure", &exposure, -10, 10, "%.1f stops")) {
-    mExposure = exposure;
+    Scene next = mHistory.current();
+    next.view.exposure = exposure;
+    setScene(std::move(next), !mEdited);
+    mEdited = true;
     uploadPicture();
   }
+  if (ImGui::IsItemDeactivatedAfterEdit()) mEdited = false;
   ImGui::Checkbox("overlay (O)", &mOverlayShown);
   ImGui::Separator();
   bool changed = ImGui::Checkbox("slice (S)", &mSliceShown);
@@ -251,7 +256,7 @@ void App::drawStatus(float y, float width, float height) {
   const auto [stage, part] = mLive->progress();
   if (mShown)
     ImGui::Text("%3zu pictures/s  %6.1f ms  1/%d  frame %d  %s", mPictureTimes.size(), mShown->milliseconds,
-                mShown->reduction, mFrame, mLive->busy() ? stage.c_str() : "whole");
+                mShown->reduction, mFrame, mLive->busy() ? stage.c_str() : mShown->error.empty() ? "whole" : "failed");
   else
     ImGui::Text("the first picture: %s %.0f %%", stage.c_str(), 100 * part);
   if (Clock::now() - mMessageTime < std::chrono::seconds(8) && !mMessage.empty()) {

@@ -45,13 +45,17 @@ bool App::stepScript() {
     mInput.wheel = 0;
     mInput.keys.clear();
   }
-  while (mInputs.empty() && mCommand < mScript.size()) {
+  if (mFramesLeft > 0) {
+    --mFramesLeft;
+    return true;
+  }
+  while (mInputs.empty() && mFramesLeft == 0 && mCommand < mScript.size()) {
     const ScriptCommand& command = mScript[mCommand];
     bool done = false;
     try {
       done = runCommand(command);
     } catch (const Error& error) {
-      throw Error(error.kind(), mOptions.script.string() + ":" + std::to_string(command.line) + ": " + error.what());
+      fail(error);
     }
     if (!done) return true; // again in the next frame
     ++mCommand;
@@ -62,7 +66,7 @@ bool App::stepScript() {
     mInputs.pop_front();
     return true;
   }
-  return mCommand < mScript.size();
+  return mFramesLeft > 0 || mCommand < mScript.size();
 }
 
 void App::queueDrag(const ScriptCommand& c) {
@@ -89,14 +93,16 @@ bool App::runCommand(const ScriptCommand& c) {
     change(input);
     mInputs.push_back(input);
   };
+  const bool failed = mShown && mShown->revision >= mRevision && !mShown->error.empty();
+  if (failed && (c.name == "wait" || c.name == "layer")) throw Error(mShown->errorKind, mShown->error);
   if (c.name == "wait") {
-    if (!a.empty() && a[0] == "rough")
+    if (!a.empty())
       return mShown && mShown->revision >= mRevision && ++mIdleFrames > 2 && !(mIdleFrames = 0);
     // One frame more, so that what has come is on the screen.
     if (mLive->busy() || mShown != mLive->latest() || ++mIdleFrames < 3) return false;
     mIdleFrames = 0;
   } else if (c.name == "frames") {
-    for (int i = 0; i < numberOf(a[0]); ++i) queue([](ScriptedInput&) {});
+    mFramesLeft = static_cast<int>(numberOf(a[0]));
   } else if (c.name == "move") {
     queue([&](ScriptedInput& input) { input.mouse = Point{numberOf(a[0]), numberOf(a[1])}; });
   } else if (c.name == "press") {
@@ -146,7 +152,7 @@ bool App::runCommand(const ScriptCommand& c) {
       }
       if (a.size() > 2) mSlice.position = numberOf(a[2]);
     }
-    uploadSlice();
+    mSliceShown ? uploadSlice() : uploadPicture();
   } else if (c.name == "iso") {
     mIsovalue = a[0] == "off" ? -1 : numberOf(a[0]);
     mShown.reset();
@@ -161,9 +167,9 @@ bool App::runCommand(const ScriptCommand& c) {
   } else if (c.name == "export") {
     exportTo(a[0]);
   } else if (c.name == "undo") {
-    showHistory(mHistory.undo());
+    undo();
   } else if (c.name == "redo") {
-    showHistory(mHistory.redo());
+    redo();
   } else if (c.name == "quit") {
     mWindow.close();
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace volcaustic::viewer {
 
@@ -51,10 +52,10 @@ Pixels displayed(const Image& image, const std::string& layer, double exposure) 
   }
   int plane = std::max(image.find(prefix + "Z"), image.find(prefix + "Y"));
   if (plane < 0) return pixels;
-  float least = 0, greatest = 0;
+  float least = std::numeric_limits<float>::max(), greatest = std::numeric_limits<float>::lowest();
   for (const float v : image.planes[plane])
     if (std::isfinite(v) && v < 1e30f) {
-      least = least == 0 ? v : std::min(least, v);
+      least = std::min(least, v);
       greatest = std::max(greatest, v);
     }
   const double range = greatest > least ? greatest - least : 1;

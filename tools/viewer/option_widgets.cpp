@@ -151,7 +151,7 @@ void listOf(const char* title, std::vector<T>& list, Edited& edited) {
   if (!ImGui::CollapsingHeader(title)) return;
   ImGui::PushID(title);
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::string label = (list[i].name.empty() ? title : list[i].name) + "##" + std::to_string(i);
+    const std::string label = (list[i].name.empty() ? title : list[i].name) + "###" + std::to_string(i);
     if (!ImGui::TreeNode(label.c_str())) continue;
     Widgets widgets(edited);
     describe(widgets, list[i]);

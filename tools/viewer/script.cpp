@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -14,13 +15,14 @@ namespace volcaustic::viewer {
 
 namespace {
 
-/// Arguments of a command: n a number, w a word, * the rest of the line as one word; small ones after a / are optional.
+/// Arguments of a command: n a number, i a whole number to a million, p a part from 0 to 1, w a word, * the rest of the line as one word, o a
+/// part or off, r the word rough; those after a / are optional.
 struct Syntax {
   std::string_view name, arguments, usage;
 };
 constexpr Syntax kCommands[] = {
-    {"wait", "/w", "wait [rough]"},
-    {"frames", "n", "frames COUNT"},
+    {"wait", "/r", "wait [rough]"},
+    {"frames", "i", "frames COUNT"},
     {"move", "nn", "move X Y"},
     {"press", "/w", "press [left|right|middle]"},
     {"release", "", "release"},
@@ -31,9 +33,9 @@ constexpr Syntax kCommands[] = {
     {"set", "*", "set PATH=VALUE"},
     {"select", "*", "select NAME"},
     {"layer", "w", "layer NAME"},
-    {"slice", "w/wn", "slice LAYER AXIS POSITION, or slice off"},
-    {"iso", "w", "iso VALUE, or iso off"},
-    {"frame", "n", "frame NUMBER"},
+    {"slice", "w/wp", "slice LAYER AXIS POSITION (0 to 1), or slice off"},
+    {"iso", "o", "iso VALUE (0 to 1), or iso off"},
+    {"frame", "i", "frame NUMBER"},
     {"device", "w", "device NAME"},
     {"screenshot", "*", "screenshot FILE.png"},
     {"save", "*", "save FILE.json"},
@@ -46,8 +48,29 @@ constexpr Syntax kCommands[] = {
 std::optional<double> parseNumber(const std::string& word) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+bool fits(char kind, const std::string& word) {
+  const auto isNumber = [&](double least, double most, bool whole = false) {
+    const std::optional<double> n = parseNumber(word);
+    return n && *n >= least && *n <= most && (!whole || *n == std::floor(*n));
+  };
+  switch (kind) {
+  case 'n':
+    return isNumber(-1e9, 1e9);
+  case 'i':
+    return isNumber(-1e6, 1e6, true);
+  case 'p':
+    return isNumber(0, 1);
+  case 'o':
+    return word == "off" || isNumber(0, 1);
+  case 'r':
+    return word == "rough";
+  default:
+    return true;
+  }
 }
 
 [[noreturn]] void fail(const std::string& name, int line, const std::string& what) {
@@ -81,7 +104,7 @@ ScriptCommand parseLine(const std::string& text, const std::string& name, int li
       if (!optional) fail(name, line, command.name + " needs more words" + usage);
       break;
     }
-    if (kind == 'n' && !parseNumber(word)) fail(name, line, "'" + word + "' is not a number" + usage);
+    if (!fits(kind, word)) fail(name, line, "'" + word + "' does not fit" + usage);
     command.arguments.push_back(word);
   }
   std::string rest;
@@ -98,7 +121,8 @@ std::vector<ScriptCommand> parseScript(const std::string& text, const std::strin
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    line = line.substr(0, line.find('#'));
+    for (std::size_t i = 0; i < line.size(); ++i) // in the midst of a word, # stands for itself
+      if (line[i] == '#' && (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t')) line.resize(i);
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
     commands.push_back(parseLine(line, name, number));

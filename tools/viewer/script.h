@@ -13,8 +13,8 @@ struct ScriptCommand {
   std::vector<std::string> arguments;
 };
 
-/// Checks names, numbers of arguments and numbers. \throws Error(Usage) "script:LINE: ..." with the nearest known
-/// command; Error(File).
+/// Checks names, numbers of arguments and numbers. \throws Error(Usage) "script:LINE: ..." with how to write it;
+/// Error(File).
 std::vector<ScriptCommand> parseScript(const std::string& text, const std::string& name);
 std::vector<ScriptCommand> readScript(const std::filesystem::path& path);
 

@@ -2,6 +2,7 @@
 /// A session on a thread of its own, for windows: rough pictures at once while something moves, finer ones at rest.
 #pragma once
 
+#include "volcaustic/error.h"
 #include "volcaustic/export.h"
 #include "volcaustic/scene.h"
 #include "volcaustic/session.h"
@@ -34,6 +35,7 @@ struct LiveFrame {
   std::vector<StageRun> runs; ///< that made it
   double milliseconds = 0;    ///< from the start of its first stage
   std::string error;          ///< one line, when a stage failed: then the results are those of the picture before
+  ErrorKind errorKind = ErrorKind::Internal; ///< of `error`
 };
 
 /// The latest scene wins: setScene() returns at once, a refinement that runs is cancelled, a rough picture is finished
