@@ -58,9 +58,9 @@ int run(int resolution) {
   bool closed = true;
   for (int frame = 1; frame <= kFrames; ++frame) {
     vc::Scene next = session.scene();
-    constexpr double kSteps[] = {.07, .02, -.07, -.02}; // a frame: near and far side of the left, then of the right drop
-    for (int i = 0; i < 4; ++i)
-      next.objects[0].deform[i].placement.translate = {kSteps[i] * (frame - 1), 0, 0};
+    constexpr double kSteps[] = {.07, .02, -.07,
+                                 -.02}; // a frame: near and far side of the left, then of the right drop
+    for (int i = 0; i < 4; ++i) next.objects[0].deform[i].placement.translate = {kSteps[i] * (frame - 1), 0, 0};
     session.setScene(next);
     const vc::Mesh mesh = *session.surface(0);
     const vc::MeshReport report = vc::checkMesh(mesh);

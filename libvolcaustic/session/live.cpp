@@ -20,8 +20,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kGreatestVoxelReduction = 4;
 constexpr int kLeastCells = 8; ///< along a shape, for its triangles
 
-/// The scene with fewer pixels along each axis and, where light has to be made anew, fewer photons and voxels, and larger
-/// triangles of shapes. Surfaces stay as thick as they are in the world.
+/// The scene with fewer pixels along each axis and, where light has to be made anew, fewer photons and voxels, and
+/// larger triangles of shapes. Surfaces stay as thick as they are in the world.
 Scene reduced(Scene scene, int reduction, bool light) {
   if (reduction == 1) return scene;
   for (int& n : scene.camera.resolution) n = std::max(n / reduction, 1);
@@ -32,8 +32,9 @@ Scene reduced(Scene scene, int reduction, bool light) {
   scene.volume.resolution = std::max(scene.volume.resolution / voxels, 1);
   scene.volume.voxelSize *= voxels;
   scene.voxelise.blur = std::max(scene.voxelise.blur / voxels | 1, 1); // odd
-  for (SceneObject& o : scene.objects) { // triangles of shapes
-    o.polygonise.resolution = std::max(o.polygonise.resolution / voxels, std::min(o.polygonise.resolution, kLeastCells));
+  for (SceneObject& o : scene.objects) {                               // triangles of shapes
+    o.polygonise.resolution =
+        std::max(o.polygonise.resolution / voxels, std::min(o.polygonise.resolution, kLeastCells));
     o.polygonise.cellSize *= voxels;
   }
   return scene;

@@ -34,9 +34,7 @@ std::uint64_t contentOf(const Mesh& mesh) {
   return hash.digest();
 }
 
-std::string memoryName(const Mesh* mesh) {
-  return "memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(mesh));
-}
+std::string memoryName(const Mesh* mesh) { return "memory:" + std::to_string(reinterpret_cast<std::uintptr_t>(mesh)); }
 
 bool areAsRead(const std::vector<FileStamp>& stamps) {
   return std::all_of(stamps.begin(), stamps.end(), [](const FileStamp& s) { return s == stampOf(s.file); });

@@ -35,7 +35,7 @@ public:
 
   struct LoadedMesh {
     std::vector<FileStamp> stamps; ///< of the files it is from
-    std::uint64_t key = 0; ///< hash of its contents
+    std::uint64_t key = 0;         ///< hash of its contents
     std::shared_ptr<const Mesh> mesh;
   };
 

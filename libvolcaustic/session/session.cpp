@@ -303,7 +303,8 @@ struct Session::State {
   }
 };
 
-Session::Session(Scene scene, RunContext ctx, SessionOptions options) : mState(std::make_unique<State>(std::move(options))) {
+Session::Session(Scene scene, RunContext ctx, SessionOptions options)
+    : mState(std::make_unique<State>(std::move(options))) {
   mState->scene = std::move(scene);
   mState->ctx = std::move(ctx);
 }

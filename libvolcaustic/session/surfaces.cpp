@@ -31,7 +31,8 @@ bool hasSurfaceStage(const SceneObject& o) {
 StageKey Surfaces::key(const SceneObject& o, SceneFiles& files, SceneMeshReader& reader) {
   StageKey key("surface 1");
   addRest(key, o, files, reader);
-  if (!o.shape.empty() && !isDeformed(o)) key.addFields("", o.placement); // the lattice of its cells stands in the world
+  if (!o.shape.empty() && !isDeformed(o))
+    key.addFields("", o.placement); // the lattice of its cells stands in the world
   for (std::size_t i = 0; i < o.deform.size(); ++i) key.addFields("deform/" + std::to_string(i), o.deform[i]);
   key.addFields("", o.deformation);
   key.addFields("", o.topology);
@@ -43,8 +44,7 @@ Surface Surfaces::make(std::size_t i, const SceneObject& o, SceneFiles& files, S
   Object& object = mObjects[i];
   try {
     if (isDeformed(o)) return {deformed(object, o, files, reader, ctx), false};
-    return {std::make_shared<const Mesh>(
-                object.polygoniser.polygonise(o.shape.placed(o.placement), o.polygonise, ctx)),
+    return {std::make_shared<const Mesh>(object.polygoniser.polygonise(o.shape.placed(o.placement), o.polygonise, ctx)),
             true};
   } catch (const Error& error) { // which knows no object
     if (error.kind() != ErrorKind::Input && error.kind() != ErrorKind::Usage) throw;
@@ -64,8 +64,7 @@ std::shared_ptr<const Mesh> Surfaces::deformed(Object& object, const SceneObject
     object.restKey = rest.digest();
   }
   std::shared_ptr<const Mesh> mesh = object.deformer->rest();
-  if (!o.deform.empty())
-    mesh = std::make_shared<const Mesh>(object.deformer->deform(o.deform, o.deformation, ctx));
+  if (!o.deform.empty()) mesh = std::make_shared<const Mesh>(object.deformer->deform(o.deform, o.deformation, ctx));
   if (o.topology.topology == Topology::Free) return mesh;
   return std::make_shared<const Mesh>(controlTopology(*mesh, o.topology, ctx).mesh);
 }

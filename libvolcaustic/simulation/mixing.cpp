@@ -41,8 +41,7 @@ void addBuoyancy(Flow& flow, double acceleration, double time, const RunContext&
 void diffuseCells(Flow& flow, double amount, const RunContext& ctx) {
   if (amount <= 0) return;
   Lattice cells(flow.cells, {.5f, .5f, .5f});
-  const auto first =
-      flow.concentration.values().begin() + static_cast<std::ptrdiff_t>(flow.concentration.stride(2));
+  const auto first = flow.concentration.values().begin() + static_cast<std::ptrdiff_t>(flow.concentration.stride(2));
   std::copy_n(first, cells.size(), cells.values().begin());
   constexpr auto kClosed = DiffusionEnds::Closed;
   diffuse(cells, amount, {kClosed, kClosed, kClosed}, ctx);

@@ -58,8 +58,8 @@ void MixingSimulation::write(const std::filesystem::path& path) const {
   transform->postTranslate(first);
   openvdb::MetaMap metadata;
   metadata.insertMeta("frame", openvdb::Int32Metadata(mState->frame));
-  writeVdbFile(path, {concentrationGrid(mState->flow, transform), velocityGrid(mState->flow, transform, mState->ctx)}, metadata, {},
-               mState->ctx);
+  writeVdbFile(path, {concentrationGrid(mState->flow, transform), velocityGrid(mState->flow, transform, mState->ctx)},
+               metadata, {}, mState->ctx);
 }
 
 } // namespace volcaustic

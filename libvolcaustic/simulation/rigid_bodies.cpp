@@ -61,8 +61,9 @@ void checkSteps(std::span<const RigidBody> bodies, const RigidBodyOptions& optio
 void checkPlacement(const RigidBody& body, const Placement& now) {
   for (int a = 0; a < 3; ++a)
     if (!std::isfinite(now.translate[a]) || !std::isfinite(now.rotate[a]))
-      throw Error(ErrorKind::Input, "rigid bodies: " + body.name +
-                                        ": left the numbers that can be computed with; lower velocity, spin or gravity");
+      throw Error(ErrorKind::Input,
+                  "rigid bodies: " + body.name +
+                      ": left the numbers that can be computed with; lower velocity, spin or gravity");
 }
 
 btVector3 bullet(const Eigen::Vector3d& v) {

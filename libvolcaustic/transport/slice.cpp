@@ -64,7 +64,8 @@ VolumeSlice sliceVolume(const FlatMediumStorage& storage, const PhotonResult& ph
   const Domain& domain = photons.radiance.domain();
   const kernels::FlatMedium medium = storage.view();
   if (!(domain.dims == Vec3i{medium.dims.x, medium.dims.y, medium.dims.z}))
-    throw Error(ErrorKind::Usage, "slice: medium and light have other voxels than each other; take both from one session");
+    throw Error(ErrorKind::Usage,
+                "slice: medium and light have other voxels than each other; take both from one session");
   const int across = options.axis, along = (across + 1) % 3, up = (across + 2) % 3;
   Vec3i v{};
   v[across] = std::min(static_cast<int>(options.position * domain.dims[across]), domain.dims[across] - 1);

@@ -2,8 +2,8 @@
 // at its neck.
 //   build/bench/bin/bench_topology
 
-#include "support/solids.h"
 #include "volcaustic/topology.h"
+#include "support/solids.h"
 
 #include <benchmark/benchmark.h>
 #include <cmath>

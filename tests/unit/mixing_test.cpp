@@ -1,7 +1,7 @@
 // The flow of two fluids: each part of a step against what is known of it, then the whole.
 #include "simulation/mixing_state.h"
-#include "volume/vdb_file.h"
 #include "volcaustic/error.h"
+#include "volume/vdb_file.h"
 
 #include <cmath>
 #include <cstring>
@@ -296,7 +296,8 @@ TEST(Mixing, AHoleLetsInWhatItsAreaDoes) {
     for (int f = 0; f < 4; ++f) flow.advance();
     double sum = 0;
     for (const float c : cellsOf(flow)) sum += c;
-    const double cell = flow.domain().voxelSize, expected = std::numbers::pi * radius * radius * options.inflow * 4 / 24;
+    const double cell = flow.domain().voxelSize,
+                 expected = std::numbers::pi * radius * radius * options.inflow * 4 / 24;
     EXPECT_NEAR(sum * cell * cell * cell, expected, .02 * expected) << radius;
   }
   options.inflowRadius = 1e-4;

@@ -129,8 +129,8 @@ TEST(RigidBodies, MassesAreScaledWhateverTheOrder) {
 }
 
 TEST(RigidBodies, SmallOnesRestBesideLargeOnes) {
-  std::vector<RigidBody> bodies{movingBody(cuboidMesh({2, 2, 2}), {5, 0, 1}), movingBody(cuboidMesh({.02, .02, .02}), {0, 0, .01}),
-                                fixedFloor(0)};
+  std::vector<RigidBody> bodies{movingBody(cuboidMesh({2, 2, 2}), {5, 0, 1}),
+                                movingBody(cuboidMesh({.02, .02, .02}), {0, 0, .01}), fixedFloor(0)};
   const Frames frames = simulateRigidBodies(bodies, 49);
   EXPECT_NEAR(frames.back()[0].translate[2], 1, .02);
   EXPECT_NEAR(frames.back()[1].translate[2], .01, .0005);

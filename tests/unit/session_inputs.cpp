@@ -90,7 +90,8 @@ TEST_F(SessionInputs, TheBufferBesideAGltfFileIsPartOfIt) {
   Session session(scene);
   EXPECT_FLOAT_EQ(static_cast<float>(session.surface(0)->positions[0][2]), .5f);
   replaceKeepingTime(file("side.gltf"), [&] { writeGltf(mFolder, 1); });
-  std::filesystem::last_write_time(file("side.bin"), std::filesystem::file_time_type::clock::now() + std::chrono::seconds(2));
+  std::filesystem::last_write_time(file("side.bin"),
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::seconds(2));
   EXPECT_FLOAT_EQ(static_cast<float>(session.surface(0)->positions[0][2]), 1.f);
 }
 
@@ -190,7 +191,8 @@ TEST_F(SessionInputs, SlicesAreOfOneLattice) {
   scene.volume.resolution = 40;
   Session fine(scene);
   EXPECT_THROW(sliceVolume(*coarse.sharedFlat(), fine.photons(), {}), Error);
-  const VolumeSlice slice = sliceVolume(*fine.sharedFlat(), fine.photons(), {.layer = VolumeLayer::Radiance, .axis = 2, .position = .5});
+  const VolumeSlice slice =
+      sliceVolume(*fine.sharedFlat(), fine.photons(), {.layer = VolumeLayer::Radiance, .axis = 2, .position = .5});
   ASSERT_EQ(slice.columns, 40);
   ASSERT_EQ(slice.values.size(), 1600u);
   // The first row is the farthest along y: voxel (0, 39) of the plane, of what arrives in all directions over 4 pi.

@@ -82,7 +82,9 @@ const std::vector<Change>& changes() {
        {"surface", "medium", "stepField", "photons", "view"},
        {"resolution"}},
       {"place of triangles",
-       [](Scene& s) { s.objects[2].placement.translate = {0, .1, 0}; },
+       [](Scene& s) {
+         s.objects[2].placement.translate = {0, .1, 0};
+       },
        {"surface", "medium", "stepField", "photons", "view"},
        {"translate"}},
       {"hidden", [](Scene& s) { s.objects[2].visible = false; }, kAllOfMedium, {}},

@@ -256,7 +256,10 @@ void App::drawStatus(float y, float width, float height) {
   const auto [stage, part] = mLive->progress();
   if (mShown)
     ImGui::Text("%3zu pictures/s  %6.1f ms  1/%d  frame %d  %s", mPictureTimes.size(), mShown->milliseconds,
-                mShown->reduction, mFrame, mLive->busy() ? stage.c_str() : mShown->error.empty() ? "whole" : "failed");
+                mShown->reduction, mFrame,
+                mLive->busy()           ? stage.c_str()
+                : mShown->error.empty() ? "whole"
+                                        : "failed");
   else
     ImGui::Text("the first picture: %s %.0f %%", stage.c_str(), 100 * part);
   if (Clock::now() - mMessageTime < std::chrono::seconds(8) && !mMessage.empty()) {

@@ -96,8 +96,7 @@ bool App::runCommand(const ScriptCommand& c) {
   const bool failed = mShown && mShown->revision >= mRevision && !mShown->error.empty();
   if (failed && (c.name == "wait" || c.name == "layer")) throw Error(mShown->errorKind, mShown->error);
   if (c.name == "wait") {
-    if (!a.empty())
-      return mShown && mShown->revision >= mRevision && ++mIdleFrames > 2 && !(mIdleFrames = 0);
+    if (!a.empty()) return mShown && mShown->revision >= mRevision && ++mIdleFrames > 2 && !(mIdleFrames = 0);
     // One frame more, so that what has come is on the screen.
     if (mLive->busy() || mShown != mLive->latest() || ++mIdleFrames < 3) return false;
     mIdleFrames = 0;

@@ -15,8 +15,8 @@ namespace volcaustic::viewer {
 
 namespace {
 
-/// Arguments of a command: n a number, i a whole number to a million, p a part from 0 to 1, w a word, * the rest of the line as one word, o a
-/// part or off, r the word rough; those after a / are optional.
+/// Arguments of a command: n a number, i a whole number to a million, p a part from 0 to 1, w a word, * the rest of the
+/// line as one word, o a part or off, r the word rough; those after a / are optional.
 struct Syntax {
   std::string_view name, arguments, usage;
 };
