@@ -1,6 +1,7 @@
 """convert and vdb2mesh with volumes made by others: every real one, every damaged one, and what they become."""
 
 import os
+import shutil
 import time
 
 from program import PROGRAM, SHARED, ProgramCase
@@ -39,6 +40,29 @@ class ForeignVolumes(ProgramCase):
         grids = self.grids(self.path("body.vdb"))
         self.assertAlmostEqual(grids["index"]["maximum"], 1.5, delta=1e-3)
         self.assertAlmostEqual(grids["coverage"]["maximum"], 1, delta=1e-6)
+
+    def test_a_sequence_of_level_sets_is_a_liquid(self):
+        small, large = self.volume("sphere_v222.vdb"), self.volume("sphere_fog_v223.vdb")
+        for frame, source in ((1, small), (2, small), (3, small)):
+            shutil.copy(source, self.path(f"liquid.{frame:04d}.vdb"))
+        arguments = ["convert", self.path("liquid.####.vdb"), self.path("body.####.vdb"), "--frames", "1-3x2", "--body",
+                     "ls_sphere:ior=1.33", "--voxel-size", "0.4"]
+        self.assertEqual([os.path.basename(f) for f in self.report(*arguments)["outputs"]], ["body.0001.vdb", "body.0003.vdb"])
+        before = os.stat(self.path("body.0001.vdb")).st_mtime_ns
+        os.remove(self.path("body.0003.vdb"))
+        self.succeed(*arguments, "--resume")
+        self.assertEqual(os.stat(self.path("body.0001.vdb")).st_mtime_ns, before)
+        scene = {"volcaustic": 1, "volume": {"file": "body.####.vdb"}, "lights": [{"direction": [0, 0, -1]}],
+                 "photons": {"grid": [32, 32]}}
+        self.succeed("trace", self.write("scene.json", scene), "-o", self.path("light.####.vdb"), "--frames", "1-3x2")
+        self.assertGreater(self.grids(self.path("light.0003.vdb"))["radiance"]["maximum"], 0)
+        self.assertIn("body.0002.vdb", self.fail_with(3, "trace", self.path("scene.json"), "-o", self.path("l.####.vdb"),
+                                                      "--frames", "2"))
+        report = self.report("vdb2mesh", self.path("liquid.####.vdb"), "-o", self.path("m.####.ply"), "--frames", "1-2")
+        self.assertEqual(len(report["counts"]), 2)
+        self.assertTrue(os.path.exists(self.path("m.0002.ply")))
+        self.assertIn("no place", self.fail_with(2, "convert", large, self.path("x.####.nvdb"), "--frames", "1-2"))
+        self.assertIn("--frames", self.fail_with(2, "vdb2mesh", large, "-o", self.path("x.####.ply")))
 
     def test_every_volume_there_and_back(self):
         for volume in sorted(self.need(SHARED / "data" / "vdb").iterdir()):

@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 
 namespace volcaustic::cli {
@@ -102,6 +103,13 @@ void Job::addStages(std::span<const StageRun> runs) {
 void Job::addStage(const char* stage, std::chrono::steady_clock::time_point start) {
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   mReport["stages"].push_back({{"stage", stage}, {"ms", ms}, {"key", ""}});
+}
+
+bool Job::skips(bool resume, const std::string& output) {
+  std::error_code ignored;
+  if (!resume || !std::filesystem::exists(output, ignored)) return false;
+  console().say(output + ": is there, skipped");
+  return true;
 }
 
 void Job::attempt(Json& entry, const std::function<void()>& body) {

@@ -94,6 +94,8 @@ public:
   /// does not fit it) is printed, noted as "error" in `entry` and kept for status(), and the other files get their
   /// turn.
   void attempt(Json& entry, const std::function<void()>& body);
+  /// With --resume: says so and is true where the file is there.
+  bool skips(bool resume, const std::string& output);
   /// The exit status of the first file that failed, or kDone.
   [[nodiscard]] int status() const { return mStatus; }
 

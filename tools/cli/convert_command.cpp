@@ -1,6 +1,7 @@
 // convert: .vdb <-> .nvdb, between mesh and image formats, and volumes made by others to media.
 #include "common.h"
 #include "file_kind.h"
+#include "frames.h"
 #include "group_material.h"
 #include "named_settings.h"
 #include "option_flags.h"
@@ -17,7 +18,8 @@ namespace {
 
 struct Convert {
   CommonOptions common;
-  std::string in, out;
+  std::string in, out, frames;
+  bool resume = false;
   std::string index, attenuation, scattering, asymmetry, coverage, body;
   MediumImport import;
   VdbWriteOptions write;
@@ -29,6 +31,9 @@ constexpr const char* kMapping = "A medium from any volume: value = offset + sca
 void declareConvert(CLI::App& command, Convert& o) {
   command.add_option("IN", o.in, "volume, mesh or image")->required();
   command.add_option("OUT", o.out, "file to write; its extension says the format")->required();
+  command.add_option("--frames", o.frames,
+                     "A-B[xS]: a sequence, the frame's number in the place of #### or %04d in IN and OUT");
+  command.add_flag("--resume", o.resume, "skip outputs that are there");
   const auto mapping = [&](const char* flag, std::string& text, const char* what) {
     command.add_option(flag, text, what)->option_text("GRID[:scale=S,offset=O]")->group(kMapping);
   };
@@ -59,13 +64,12 @@ MediumImport importOf(const Convert& o) {
   map("--asymmetry", o.asymmetry, import.asymmetry);
   map("--coverage", o.coverage, import.coverage);
   if (!o.body.empty()) {
-    import.body =
-        nameAndSettings("--body", o.body, [&](FieldSetter& setter) { describe(setter, import.material);
-  });
-  requirePhysical(import.material, "--body " + o.body);
+    const auto describeMaterial = [&](FieldSetter& setter) { describe(setter, import.material); };
+    import.body = nameAndSettings("--body", o.body, describeMaterial);
+    requirePhysical(import.material, "--body " + o.body);
+  }
+  return import;
 }
-return import;
-} // namespace
 
 bool mapsGrids(const Convert& o) {
   for (const std::string* text : {&o.index, &o.attenuation, &o.scattering, &o.asymmetry, &o.coverage, &o.body})
@@ -73,53 +77,56 @@ bool mapsGrids(const Convert& o) {
   return false;
 }
 
-void importVolume(Job& job, const Convert& o) {
+void importVolume(Job& job, const FilePair& file, const Convert& o) {
   const RunContext& ctx = job.context();
-  const Medium medium = job.timed("import", [&] { return importMedium(o.in, importOf(o), ctx); });
-  job.timed("write", [&] { writeVdb(o.out, medium, o.write, ctx); });
+  const Medium medium = job.timed("import", [&] { return importMedium(file.in, importOf(o), ctx); });
+  job.timed("write", [&] { writeVdb(file.out, medium, o.write, ctx); });
   const Domain& domain = medium.domain();
   job.report()["dims"] = domain.dims;
   job.report()["voxelSize"] = domain.voxelSize;
-  job.console().say(fmt::format("{}: {} x {} x {} voxels of {:.6g}", o.out, domain.dims[0], domain.dims[1],
+  job.console().say(fmt::format("{}: {} x {} x {} voxels of {:.6g}", file.out, domain.dims[0], domain.dims[1],
                                 domain.dims[2], domain.voxelSize));
 }
 
-void convertFile(Job& job, const Convert& o, FileKind kind) {
+void convertFile(Job& job, const FilePair& file, const Convert& o, FileKind kind) {
   const RunContext& ctx = job.context();
   job.timed("convert", [&] {
     switch (kind) {
     case FileKind::Volume:
-      return convertVdb(o.in, o.out, o.write, ctx);
+      return convertVdb(file.in, file.out, o.write, ctx);
     case FileKind::Mesh:
-      return writeMesh(o.out, readMesh(o.in, ctx), {}, ctx);
+      return writeMesh(file.out, readMesh(file.in, ctx), {}, ctx);
     default:
       ImageWriteOptions write = o.image;
       write.half = o.write.half;
-      return writeImage(o.out, readImage(o.in, ctx), write, ctx);
+      return writeImage(file.out, readImage(file.in, ctx), write, ctx);
     }
   });
-  job.console().say(o.out + ": written");
+  job.console().say(file.out + ": written");
 }
 
 int runConvert(const Convert& o) {
   Job job("convert", o.common);
-  const FileKind kind = fileKind(o.in);
-  if (kind == FileKind::Scene)
-    throw Error(ErrorKind::Usage, o.in + ": a scene has no other format; trace or render it");
-  checkOutput(o.out, kind);
-  if (mapsGrids(o) && kind != FileKind::Volume)
-    throw Error(ErrorKind::Usage, o.in + ": is no volume, so no grid of it can be mapped");
-  if (mapsGrids(o))
-    importVolume(job, o);
-  else
-    convertFile(job, o, kind);
-  job.addInput(o.in);
-  job.addOutput(o.out);
+  for (const FilePair& file : framePairs(o.in, o.out, o.frames)) {
+    job.addInput(file.in);
+    job.addOutput(file.out);
+    if (job.skips(o.resume, file.out)) continue;
+    const FileKind kind = fileKind(file.in);
+    if (kind == FileKind::Scene)
+      throw Error(ErrorKind::Usage, file.in + ": a scene has no other format; trace or render it");
+    checkOutput(file.out, kind);
+    if (mapsGrids(o) && kind != FileKind::Volume)
+      throw Error(ErrorKind::Usage, file.in + ": is no volume, so no grid of it can be mapped");
+    if (mapsGrids(o))
+      importVolume(job, file, o);
+    else
+      convertFile(job, file, o, kind);
+  }
   job.finish();
   return 0;
 }
 
-} // namespace volcaustic::cli
+} // namespace
 
 void addConvertCommand(CLI::App& app, Action& action) {
   addCommand<Convert>(app, action, "convert",

@@ -22,4 +22,19 @@ std::vector<int> parseFrames(const std::string& text) {
   return frames;
 }
 
+std::vector<FilePair> framePairs(const std::string& in, const std::string& out, const std::string& frames) {
+  if (frames.empty()) {
+    if (hasFramePlace(out)) throw Error(ErrorKind::Usage, out + ": has a place for a frame number; give --frames");
+    return {{in, out}};
+  }
+  if (!hasFramePlace(in))
+    throw Error(ErrorKind::Usage,
+                "--frames: " + in + " has no place for the frame's number; write it as name.####.vdb");
+  if (out == "-") throw Error(ErrorKind::Usage, "--frames: each frame needs a file; - is standard output");
+  std::vector<FilePair> pairs;
+  for (const int frame : parseFrames(frames))
+    pairs.push_back({withFrame(in, frame), withFrame(framePattern(out), frame)});
+  return pairs;
+}
+
 } // namespace volcaustic::cli

@@ -12,4 +12,12 @@ namespace volcaustic::cli {
 /// \throws Error(Usage).
 std::vector<int> parseFrames(const std::string& text);
 
+/// A file and what is made of it.
+struct FilePair {
+  std::string in, out;
+};
+/// The pair itself without `frames`; else one for each of them, its number in the places of both names.
+/// \throws Error(Usage) for a place without frames, and for frames without a place in `in`.
+std::vector<FilePair> framePairs(const std::string& in, const std::string& out, const std::string& frames);
+
 } // namespace volcaustic::cli

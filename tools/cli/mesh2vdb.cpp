@@ -152,13 +152,9 @@ private:
     Json entry = {{"input", conversion.input}, {"output", conversion.output}};
     if (conversion.frame) entry["frame"] = *conversion.frame;
     const std::size_t stagesBefore = mJob.report()["stages"].size();
-    std::error_code ignored;
-    const bool skipped = mOptions.resume && std::filesystem::exists(conversion.output, ignored);
+    const bool skipped = mJob.skips(mOptions.resume, conversion.output);
     entry["skipped"] = skipped;
-    if (skipped)
-      mJob.console().say(conversion.output + ": is there, skipped");
-    else
-      mJob.attempt(entry, [&] { write(conversion, build(entry), entry); });
+    if (!skipped) mJob.attempt(entry, [&] { write(conversion, build(entry), entry); });
     const Json& stages = mJob.report()["stages"];
     for (std::size_t i = stagesBefore; i < stages.size(); ++i)
       entry["ms"][stages[i]["stage"].get<std::string>()] = stages[i]["ms"];

@@ -71,10 +71,7 @@ int runSceneMesh(const SceneMesh& o) {
   for (const int frame : o.frames.empty() ? std::vector<int>{1} : parseFrames(o.frames)) {
     const std::string output = o.frames.empty() ? o.output : withFrame(framePattern(o.output), frame);
     job.addOutput(output);
-    if (o.resume && std::filesystem::exists(output)) {
-      job.console().say(fmt::format("frame {}: is there, skipped", frame));
-      continue;
-    }
+    if (job.skips(o.resume, output)) continue;
     Scene scene = readSceneArgument(o.scene, o.flags.at(frame), session ? withoutWords(job.context()) : job.context());
     if (session)
       session->setScene(std::move(scene));

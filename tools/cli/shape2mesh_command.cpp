@@ -20,7 +20,7 @@ struct ShapeToMesh {
   std::vector<std::string> inputs, outputs, sets;
   PolygoniseOptions polygonise;
   std::string frames;
-  bool ascii = false;
+  bool resume = false, ascii = false;
 };
 
 void declareShapeToMesh(CLI::App& command, ShapeToMesh& o) {
@@ -31,6 +31,7 @@ void declareShapeToMesh(CLI::App& command, ShapeToMesh& o) {
   command.add_option("--set", o.sets, "set any value of the shape first, as shape.radius=0.2; again for more")
       ->allow_extra_args(false);
   command.add_option("--frames", o.frames, "A-B[xS]: one mesh a frame, its number in the place of #### or %04d in OUT");
+  command.add_flag("--resume", o.resume, "skip outputs that are there");
   command.add_flag("--ascii", o.ascii, "text instead of binary, where the format has both (.ply, .stl)");
 }
 
@@ -100,7 +101,10 @@ int runShapeToMesh(const ShapeToMesh& o) {
       job.addOutput(mesh.output);
       Json entry{{"input", mesh.input}, {"output", mesh.output}};
       if (mesh.frame) entry["frame"] = *mesh.frame;
-      job.attempt(entry, [&] { convert(mesh, o, polygoniser, job, entry); });
+      if (job.skips(o.resume, mesh.output))
+        entry["skipped"] = true;
+      else
+        job.attempt(entry, [&] { convert(mesh, o, polygoniser, job, entry); });
       job.report()["counts"].push_back(std::move(entry));
     }
   }

@@ -46,13 +46,10 @@ int runMixing(const SimulateMixing& o) {
   std::vector<Wanted> missing;
   for (const int frame : parseFrames(o.frames)) {
     const std::string file = withFrame(framePattern(o.output), frame);
-    const bool there = o.resume && std::filesystem::exists(file);
+    const bool there = job.skips(o.resume, file);
     job.addOutput(file);
     job.report()["frames"].push_back({{"frame", frame}, {"outputs", {file}}, {"skipped", there}});
-    if (there)
-      job.console().say(fmt::format("frame {}: is there, skipped", frame));
-    else
-      missing.push_back({frame, file});
+    if (!there) missing.push_back({frame, file});
   }
   if (!missing.empty()) {
     MixingSimulation flow(o.options, job.context());

@@ -19,7 +19,7 @@ FOLDERS = {
     "mesh": {"core", "shapes", "mesh"},
     "polygonise": {"core", "shapes", "mesh", "polygonise"},
     "deform": {"core", "mesh", "deform"},
-    "simulation": {"core", "volume", "simulation"},
+    "simulation": {"core", "mesh", "volume", "simulation"},
     "kernels": {"kernels"},
     "backends": {"core", "kernels", "backends"},
     "volume": {"core", "shapes", "mesh", "volume", "kernels", "backends"},
