@@ -1,6 +1,7 @@
 """mesh2vdb over the frames of a sequence: one lattice, resumption, and what stops it."""
 
 import os
+import re
 
 from program import ProgramCase, octahedron
 
@@ -37,6 +38,18 @@ class Sequence(ProgramCase):
             self.assertAlmostEqual(entry["coveredVolume"] / ((0.5 + frame / 4) ** 3 / 6), 1, delta=2e-3)
         self.assertEqual([name for name in self.files() if name.endswith(".vdb")],
                          [f"v.{frame:04d}.vdb" for frame in self.FRAMES])
+
+    def test_progress_in_lines(self):
+        done = self.succeed("mesh2vdb", self.pattern, "-o", self.path("v.####.vdb"), "--frames", "1-3", "--progress", "--quiet")
+        before = re.compile(r"^progress: 1/1 bounds [01]\.\d{3}$")  # of all files
+        lines = [line for line in done.stderr.splitlines() if not before.match(line)]
+        files = []
+        for line in lines:
+            self.assertRegex(line, r"^progress: [1-3]/3 [a-z ]+ [01]\.\d{3}$")
+            files.append(int(line.split()[1].split("/")[0]))
+            self.assertLessEqual(float(line.split()[-1]), 1)
+        self.assertEqual(files, sorted(files))
+        self.assertEqual(set(files), {1, 2, 3})
 
     def test_a_part_of_the_frames_on_a_given_box(self):
         box = ["--bounds", "-1", "-1", "-1", "1", "1", "1", "--resolution", "16"]

@@ -64,6 +64,10 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_flag("--verbose", options.verbose, "print what happens on the way")
       ->excludes(quiet)
       ->group(kCommonOptions);
+  command
+      .add_flag("--progress", options.progress,
+                "print progress as lines \"progress: FILE/FILES STAGE FRACTION\" on stderr, for programs that show it")
+      ->group(kCommonOptions);
   if (!command.get_option_no_throw("--json"))
     command.add_flag("--json", options.json, "print one JSON report on stdout")->group(kCommonOptions);
 }
@@ -71,7 +75,8 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
 Job::Job(const char* command, const CommonOptions& options)
     : mConsole(options.quiet     ? Loudness::Quiet
                : options.verbose ? Loudness::Verbose
-                                 : Loudness::Normal)
+                                 : Loudness::Normal,
+               options.progress ? ProgressStyle::Lines : ProgressStyle::OnTerminal)
     , mJson(options.json)
     , mJsonFile(options.jsonFile) {
   mContext.threads = options.threads;

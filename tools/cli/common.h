@@ -37,7 +37,7 @@ struct CommonOptions {
   std::uint64_t seed = 0;
   std::string device = "auto";
   std::uint64_t memoryLimit = 0;
-  bool quiet = false, verbose = false, json = false;
+  bool quiet = false, verbose = false, json = false, progress = false;
   std::string jsonFile; ///< where the report goes as well, for commands whose own --json takes a file
 };
 inline constexpr const char* kCommonOptions = "Common options"; ///< their group in the help

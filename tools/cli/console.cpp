@@ -6,8 +6,10 @@
 
 namespace volcaustic::cli {
 
-Console::Console(Loudness loudness)
-    : mLoudness(loudness), mDrawsProgress(loudness != Loudness::Quiet && isatty(STDERR_FILENO)) {}
+Console::Console(Loudness loudness, ProgressStyle progress)
+    : mLoudness(loudness)
+    , mStyle(progress)
+    , mShowsProgress(progress == ProgressStyle::Lines || (loudness != Loudness::Quiet && isatty(STDERR_FILENO))) {}
 
 Console::~Console() { clearProgress(); }
 
@@ -51,21 +53,23 @@ std::string Console::filesText(Clock::time_point now) const {
 }
 
 void Console::progress(std::string_view stage, double fraction) {
-  if (!mDrawsProgress) return;
+  if (!mShowsProgress) return;
   const std::lock_guard lock(mMutex);
   const auto now = Clock::now();
   if (stage != mStage || fraction < mFraction) {
     mStage = stage;
     mStageStart = now;
-    if (mFiles == 1) mLastDrawn = {};
+    if (mFiles == 1 || mStyle == ProgressStyle::Lines) mLastDrawn = {};
   }
   mFraction = fraction;
   if (now - mLastDrawn < std::chrono::milliseconds(100)) return;
   mLastDrawn = now;
-  const std::string text = "\r\x1b[K" + (mFiles > 1 ? filesText(now) : stageText(now));
+  const bool lines = mStyle == ProgressStyle::Lines;
+  const std::string text = lines ? fmt::format("progress: {}/{} {} {:.3f}\n", mFile + 1, mFiles, mStage, mFraction)
+                                 : "\r\x1b[K" + (mFiles > 1 ? filesText(now) : stageText(now));
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
-  mProgressShown = true;
+  mProgressShown = !lines;
 }
 
 void Console::write(std::string_view line) {

@@ -1,4 +1,4 @@
-// Words for people, on stderr: lines, warnings, and a progress line that is only drawn on a terminal.
+// Words for people, on stderr: lines, warnings, and progress, drawn in place on a terminal or in lines for a program.
 #pragma once
 
 #include <volcaustic/run_context.h>
@@ -16,10 +16,15 @@ enum class Loudness {
   Verbose ///< and what the library tells on the way
 };
 
+enum class ProgressStyle {
+  OnTerminal, ///< redrawn in place, on a terminal only
+  Lines       ///< "progress: 3/48 photons 0.420", for the program that has started this one
+};
+
 /// Safe to call from several threads.
 class Console {
 public:
-  explicit Console(Loudness loudness);
+  explicit Console(Loudness loudness, ProgressStyle progress = ProgressStyle::OnTerminal);
   ~Console();
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -30,7 +35,7 @@ public:
   /// A line that is never left out.
   void error(std::string_view line);
   [[nodiscard]] bool isVerbose() const { return mLoudness == Loudness::Verbose; }
-  /// "photons  45 %  12 %/s  4 s left", redrawn ten times a second; between startFile and the last file
+  /// Ten times a second: "photons  45 %  12 %/s  4 s left"; between startFile and the last file
   /// "[3/100] medium  45 %  2.1 files/s  46 s left".
   void progress(std::string_view stage, double fraction);
   /// File `index` of `count` begins; one file alone is not counted.
@@ -45,7 +50,8 @@ private:
   void clearProgress();
 
   const Loudness mLoudness;
-  const bool mDrawsProgress;
+  const ProgressStyle mStyle;
+  const bool mShowsProgress;
   std::mutex mMutex;
   std::string mStage;
   double mFraction = 0;

@@ -1,4 +1,4 @@
-// convert: .vdb <-> .nvdb, between mesh and image formats, and volumes made by others to media.
+// convert: .vdb <-> .nvdb, between mesh and image formats, volumes made by others to media, sequences to stages.
 #include "common.h"
 #include "file_kind.h"
 #include "frames.h"
@@ -8,6 +8,7 @@
 
 #include <volcaustic/image.h>
 #include <volcaustic/mesh.h>
+#include <volcaustic/usd.h>
 #include <volcaustic/vdb.h>
 
 #include <fmt/format.h>
@@ -24,6 +25,7 @@ struct Convert {
   MediumImport import;
   VdbWriteOptions write;
   ImageWriteOptions image;
+  UsdWriteOptions stage;
 };
 
 constexpr const char* kMapping = "A medium from any volume: value = offset + scale * grid; RGB as 0.1/0.2/0.3";
@@ -48,6 +50,7 @@ void declareConvert(CLI::App& command, Convert& o) {
   addFlags(command, o.import);
   command.add_flag("--half", o.write.half, "16-bit floats in .vdb, .nvdb and .exr files");
   addFlags(command, o.image, {{"layers", "compression", "tiles", "exposure", "tone", "bits", "alpha"}, {}});
+  addFlags(command, o.stage);
 }
 
 /// What the command line maps; an empty import when nothing.
@@ -105,8 +108,23 @@ void convertFile(Job& job, const FilePair& file, const Convert& o, FileKind kind
   job.console().say(file.out + ": written");
 }
 
-int runConvert(const Convert& o) {
-  Job job("convert", o.common);
+bool isStage(const std::string& path) { return std::filesystem::path(path).extension() == ".usda"; }
+
+/// One stage that names all volumes.
+void convertToStage(Job& job, const Convert& o) {
+  if (mapsGrids(o)) throw Error(ErrorKind::Usage, o.out + ": names grids as they are; map them into a .vdb first");
+  std::vector<UsdFrame> frames;
+  for (const FilePair& file : framePairs(o.in, o.in, o.frames)) {
+    job.addInput(file.in);
+    frames.push_back({file.frame, file.in});
+  }
+  job.addOutput(o.out);
+  if (job.skips(o.resume, o.out)) return;
+  job.timed("stage", [&] { writeUsd(o.out, frames, o.stage, job.context()); });
+  job.console().say(o.out + ": written");
+}
+
+void convertEach(Job& job, const Convert& o) {
   for (const FilePair& file : framePairs(o.in, o.out, o.frames)) {
     job.addInput(file.in);
     job.addOutput(file.out);
@@ -122,6 +140,14 @@ int runConvert(const Convert& o) {
     else
       convertFile(job, file, o, kind);
   }
+}
+
+int runConvert(const Convert& o) {
+  Job job("convert", o.common);
+  if (isStage(o.out))
+    convertToStage(job, o);
+  else
+    convertEach(job, o);
   job.finish();
   return 0;
 }
@@ -129,9 +155,10 @@ int runConvert(const Convert& o) {
 } // namespace
 
 void addConvertCommand(CLI::App& app, Action& action) {
-  addCommand<Convert>(app, action, "convert",
-                      ".vdb to .nvdb and back, any volume to a medium, and between mesh or image formats",
-                      declareConvert, runConvert);
+  addCommand<Convert>(
+      app, action, "convert",
+      ".vdb to .nvdb and back, any volume to a medium, volumes to a .usda, and between mesh or image formats",
+      declareConvert, runConvert);
 }
 
 } // namespace volcaustic::cli

@@ -33,7 +33,7 @@ std::vector<FilePair> framePairs(const std::string& in, const std::string& out, 
   if (out == "-") throw Error(ErrorKind::Usage, "--frames: each frame needs a file; - is standard output");
   std::vector<FilePair> pairs;
   for (const int frame : parseFrames(frames))
-    pairs.push_back({withFrame(in, frame), withFrame(framePattern(out), frame)});
+    pairs.push_back({withFrame(in, frame), withFrame(framePattern(out), frame), frame});
   return pairs;
 }
 

@@ -15,6 +15,7 @@ std::vector<int> parseFrames(const std::string& text);
 /// A file and what is made of it.
 struct FilePair {
   std::string in, out;
+  int frame = 1;
 };
 /// The pair itself without `frames`; else one for each of them, its number in the places of both names.
 /// \throws Error(Usage) for a place without frames, and for frames without a place in `in`.

@@ -8,6 +8,7 @@
 #include <volcaustic/image.h>
 #include <volcaustic/scene.h>
 #include <volcaustic/session.h>
+#include <volcaustic/usd.h>
 #include <volcaustic/vdb.h>
 
 #include <algorithm>
@@ -51,6 +52,14 @@ void declareSceneRun(CLI::App& command, SceneRun& o, const char* outputText) {
 
 std::vector<int> framesOf(const SceneRun& o) { return o.frames.empty() ? std::vector<int>{1} : parseFrames(o.frames); }
 
+/// The files of a frame.
+std::vector<std::string> outputsAt(const SceneRun& o, int frame) {
+  std::vector<std::string> outputs;
+  for (const std::string& output : o.outputs)
+    outputs.push_back(o.frames.empty() ? output : withFrame(framePattern(output), frame));
+  return outputs;
+}
+
 /// Calls body(frame, outputs of it) for each frame that is wanted. Without --frames the one frame is the first.
 template <class Body>
 void forEachFrame(Job& job, const SceneRun& o, FileKind kind, Body&& body) {
@@ -59,10 +68,11 @@ void forEachFrame(Job& job, const SceneRun& o, FileKind kind, Body&& body) {
   for (const std::string& output : o.outputs)
     if (!many && hasFramePlace(output))
       throw Error(ErrorKind::Usage, "--output " + output + ": has a place for a frame number; give --frames");
-  for (const int frame : framesOf(o)) {
-    std::vector<std::string> outputs;
-    for (const std::string& output : o.outputs)
-      outputs.push_back(many ? withFrame(framePattern(output), frame) : output);
+  const std::vector<int> frames = framesOf(o);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int frame = frames[i];
+    job.console().startFile(i, frames.size());
+    const std::vector<std::string> outputs = outputsAt(o, frame);
     const bool whole =
         std::all_of(outputs.begin(), outputs.end(), [](const auto& f) { return std::filesystem::exists(f); });
     for (const std::string& output : outputs) job.addOutput(output);
@@ -227,17 +237,47 @@ struct Trace {
   CommonOptions common;
   SceneRun run;
   VdbWriteOptions write;
+  std::string usd;
+  UsdWriteOptions stage;
+  bool givenUpAxis = false; ///< else the camera's
 };
 
 void declareTrace(CLI::App& command, Trace& o) {
   declareSceneRun(command, o.run, "the radiance volume, .vdb or .nvdb, or - for standard output");
   command.get_option("--output")->expected(1);
   addFlags(command, o.write);
+  command.add_option("--usd", o.usd, "also a stage for OpenUSD (.usda) that names the volumes of all frames");
+  addFlags(command, o.stage, {{"metersPerUnit", "upAxis"}, {}});
+  command.get_option("--up-axis")
+      ->description("of the world, in stages; y, z; default: as the camera's `up`")
+      ->each([&o](const std::string&) { o.givenUpAxis = true; });
+}
+
+/// What would only be seen after the photons.
+void checkStage(const Trace& o) {
+  if (o.usd.empty()) return;
+  if (std::filesystem::path(o.usd).extension() != ".usda")
+    throw Error(ErrorKind::Usage, "--usd " + o.usd + ": is a stage in text; name it by .usda");
+  if (std::filesystem::path(o.run.outputs.front()).extension() != ".vdb")
+    throw Error(ErrorKind::Usage, "--usd: OpenUSD reads volumes from .vdb files; write -o NAME.vdb");
+}
+
+void writeStage(Job& job, const Trace& o, const Scene& scene) {
+  std::vector<UsdFrame> frames;
+  for (const int frame : framesOf(o.run)) frames.push_back({frame, outputsAt(o.run, frame).front()});
+  UsdWriteOptions options = o.stage;
+  const Vec3d& up = scene.camera.up;
+  if (!o.givenUpAxis) options.upAxis = std::abs(up[1]) > std::abs(up[2]) ? UpAxis::Y : UpAxis::Z;
+  options.rate = scene.frames.rate;
+  job.timed("stage", [&] { writeUsd(o.usd, frames, options, job.context()); });
+  job.addOutput(o.usd);
+  job.console().say(o.usd + ": written");
 }
 
 int runTrace(const Trace& o) {
   Job job("trace", o.common);
   job.tracesPhotons();
+  checkStage(o);
   if (job.json() && o.run.outputs.front() == "-")
     throw Error(ErrorKind::Usage, "--json: standard output is taken by -o -; write to a file");
   FrameSession frames(job, o.run);
@@ -253,6 +293,9 @@ int runTrace(const Trace& o) {
     if (outputs.front() != "-") job.console().say(outputs.front() + ": written");
     writeLightMaps(job, o.run, frame, photons, write.metadata);
   });
+  if (!o.usd.empty())
+    writeStage(job, o,
+               readSceneArgument(o.run.scene, o.run.flags.at(framesOf(o.run).front()), withoutWords(job.context())));
   job.finish();
   return 0;
 }

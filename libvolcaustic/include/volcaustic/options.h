@@ -11,6 +11,7 @@
 #include "volcaustic/photons.h"
 #include "volcaustic/scene.h"
 #include "volcaustic/simulation.h"
+#include "volcaustic/usd.h"
 #include "volcaustic/vdb.h"
 #include "volcaustic/view.h"
 
@@ -51,6 +52,7 @@ constexpr std::array<const char*, 5> enumNames(ExrCompression) { return {"none",
 constexpr std::array<const char*, 4> enumNames(OpticalProperty) {
   return {"index", "attenuation", "scattering", "asymmetry"};
 }
+constexpr std::array<const char*, 2> enumNames(UpAxis) { return {"y", "z"}; }
 constexpr std::array<const char*, 2> enumNames(ToneCurve) { return {"plain", "aces"}; }
 constexpr std::array<const char*, 4> enumNames(LightType) { return {"directional", "point", "spot", "environment"}; }
 
@@ -369,6 +371,13 @@ void describe(Visitor&& visit, VdbWriteOptions& o) {
   visit("half", o.half, FieldDoc{"16-bit floats in .vdb files"});
   visit("parts", o.parts, FieldDoc{"also write the grids caustic and direct"});
   visit("exposure", o.exposure, FieldDoc{"multiply the grids of light by 2 to this power; recorded", "stops", -40, 40});
+}
+
+template <class Visitor>
+void describe(Visitor&& visit, UsdWriteOptions& o) {
+  visit("metersPerUnit", o.metersPerUnit, FieldDoc{"length of a unit of the world, in stages", "m", 1e-9, 1e9});
+  visit("upAxis", o.upAxis, FieldDoc{"of the world, in stages"});
+  visit("rate", o.rate, FieldDoc{"frames per second of stages", "1/s", 1e-3, 1e6});
 }
 
 template <class Visitor>

@@ -27,5 +27,6 @@
 #include "volcaustic/slice.h"
 #include "volcaustic/topology.h"
 #include "volcaustic/types.h"
+#include "volcaustic/usd.h"
 #include "volcaustic/vdb.h"
 #include "volcaustic/view.h"
