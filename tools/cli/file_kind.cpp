@@ -33,13 +33,16 @@ constexpr std::pair<std::string_view, FileKind> kMagic[] = {
 };
 
 constexpr std::pair<std::string_view, FileKind> kExtensions[] = {
-    {".vdb", FileKind::Volume}, {".nvdb", FileKind::Volume}, {".obj", FileKind::Mesh},   {".ply", FileKind::Mesh},
-    {".stl", FileKind::Mesh},   {".off", FileKind::Mesh},    {".json", FileKind::Scene}, {".exr", FileKind::Image},
-    {".png", FileKind::Image},  {".jpg", FileKind::Image},   {".jpeg", FileKind::Image}, {".hdr", FileKind::Image},
-    {".tif", FileKind::Image},  {".tiff", FileKind::Image},  {".tga", FileKind::Image},  {".bmp", FileKind::Image},
-    {".dpx", FileKind::Image},  {".gif", FileKind::Image},   {".jp2", FileKind::Image},  {".pbm", FileKind::Image},
-    {".pgm", FileKind::Image},  {".ppm", FileKind::Image},   {".pnm", FileKind::Image},  {".sgi", FileKind::Image},
-    {".webp", FileKind::Image}, {".gltf", FileKind::Scene},  {".glb", FileKind::Scene},
+    {".vdb", FileKind::Volume},       {".nvdb", FileKind::Volume}, {".obj", FileKind::Mesh},
+    {".ply", FileKind::Mesh},         {".stl", FileKind::Mesh},    {".off", FileKind::Mesh},
+    {".json", FileKind::Scene},       {".exr", FileKind::Image},   {".png", FileKind::Image},
+    {".jpg", FileKind::Image},        {".jpeg", FileKind::Image},  {".hdr", FileKind::Image},
+    {".tif", FileKind::Image},        {".tiff", FileKind::Image},  {".tga", FileKind::Image},
+    {".bmp", FileKind::Image},        {".dpx", FileKind::Image},   {".gif", FileKind::Image},
+    {".jp2", FileKind::Image},        {".pbm", FileKind::Image},   {".pgm", FileKind::Image},
+    {".ppm", FileKind::Image},        {".pnm", FileKind::Image},   {".sgi", FileKind::Image},
+    {".webp", FileKind::Image},       {".gltf", FileKind::Scene},  {".glb", FileKind::Scene},
+    {".volcaustic", FileKind::Scene},
 };
 
 /// The kind in words, with the extensions that make it.
@@ -54,7 +57,7 @@ const char* describe(FileKind kind) {
   case FileKind::Scene:
     break;
   }
-  return "a scene (.json, .gltf, .glb)";
+  return "a scene (.json, .volcaustic, .gltf, .glb)";
 }
 
 std::optional<FileKind> byExtension(const std::string& path) {

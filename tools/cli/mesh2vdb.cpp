@@ -36,7 +36,8 @@ struct Sequence {
 
 bool isScene(const std::string& input) {
   const std::string extension = std::filesystem::path(input).extension().string();
-  return input != "-" && !isShapeFile(input) && (extension == ".json" || extension == ".gltf" || extension == ".glb");
+  return input != "-" && !isShapeFile(input) &&
+         (extension == ".json" || extension == ".volcaustic" || extension == ".gltf" || extension == ".glb");
 }
 
 Sequence sequenceOf(const MeshToVdb& o, const std::string& input, const std::string& output) {

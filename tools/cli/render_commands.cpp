@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -97,7 +96,9 @@ public:
     Scene scene = mJob.timed("read", [&] { return read(frame); });
     result["sceneHash"] = sceneHash(scene);
     if (scene.volume.automatic && scene.volume.file.empty() && !mOptions.frames.empty()) {
-      if (!mBox) mBox = mJob.timed("box of all frames", [&] { return boxOfFrames(scene); });
+      if (!mSession) take(scene);
+      const auto at = [&](int wanted) { return read(wanted); };
+      if (!mBox) mBox = mJob.timed("box of all frames", [&] { return boxOfFrames(*mSession, at, framesOf(mOptions)); });
       scene.volume.automatic = false;
       scene.volume.bounds = *mBox;
     }
@@ -131,35 +132,6 @@ private:
       mSession->setScene(std::move(scene));
     else
       mSession.emplace(std::move(scene), mJob.context(), SessionOptions{.cache = mOptions.cache});
-  }
-
-  /// An automatic box moves with what is in it, and the voxels with it: what stands still would flicker. So all frames
-  /// share one: those of the scene's `frames` section, or those that were asked for.
-  Box boxOfFrames(const Scene& scene) {
-    std::vector<int> frames = framesOf(mOptions);
-    if (scene.frames.last > scene.frames.first)
-      for (frames.clear(); static_cast<int>(frames.size()) <= scene.frames.last - scene.frames.first;)
-        frames.push_back(scene.frames.first + static_cast<int>(frames.size()));
-    std::optional<Box> box;
-    std::set<std::string> known;
-    for (const int frame : frames) {
-      mJob.context().throwIfCancelled();
-      Scene at = read(frame);
-      if (!known.insert(sceneHash(at)).second) continue;
-      take(std::move(at));
-      const std::optional<Box> content = mSession->contentBox();
-      if (!content) continue; // nothing there yet
-      if (!box) box = content;
-      for (int a = 0; a < 3; ++a) {
-        box->min[a] = std::min(box->min[a], content->min[a]);
-        box->max[a] = std::max(box->max[a], content->max[a]);
-      }
-    }
-    if (!box)
-      throw Error(ErrorKind::Input, mOptions.scene +
-                                        ":/volume/bounds: \"auto\" needs an object that is not empty in one "
-                                        "of the frames; give min and max");
-    return withMargin(*box, scene.volume.margin);
   }
 
   Job& mJob;

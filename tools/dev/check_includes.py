@@ -49,7 +49,9 @@ EXTERNAL = {
     "OpenGL": (r"(GL|GLES\w*|KHR)/", ["tools/viewer/"]),
     "nlohmann/json": (r"nlohmann/", [f"{LIBRARY}/scene/", f"{LIBRARY}/session/", "tools/"]),
     "OpenEXR": (r"(OpenEXR/|Imath/|Imf\w*\.h|Imath\w*\.h|Iex\w*\.h|half\.h)", [f"{LIBRARY}/image/"]),
-    "OpenImageIO": (r"OpenImageIO/", [f"{LIBRARY}/image/"]),
+    "OpenImageIO": (r"OpenImageIO/", [f"{LIBRARY}/image/", "tools/plugins/openimageio/"]),
+    "pybind11": (r"pybind11/", ["tools/plugins/python/"]),
+    "the C interface": (r"volcaustic_c\.h$", ["tools/plugins/", "houdini_free_examples/"]),
     "oneTBB": (r"(oneapi/)?tbb/", [f"{LIBRARY}/core/parallel."]),
     "Highway": (r"hwy/", [f"{LIBRARY}/backends/highway_lanes.h"]),
     "CUDA": (r"(cuda|cub/|thrust/|cooperative_groups)", [rf"{LIBRARY}/backends/\w+\.cuh?$"]),
@@ -57,7 +59,7 @@ EXTERNAL = {
     "CLI11": (r"CLI/", ["tools/cli/", "tools/viewer/main."]),
     "fmt": (r"fmt/", ["tools/cli/"]),
     "POSIX": (r"(sys/\w+|unistd|fcntl|signal|poll|spawn|dirent|pthread|dlfcn|malloc)\.h$",
-              [f"{LIBRARY}/(core|mesh|volume|backends|image)/", "tools/"]),
+              [f"{LIBRARY}/(core|mesh|volume|backends|image)/", "tools/", "houdini_free_examples/11_c_host/"]),
 }
 
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')

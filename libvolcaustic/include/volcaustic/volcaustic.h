@@ -4,6 +4,7 @@
 
 #include "volcaustic/background.h"
 #include "volcaustic/deform.h"
+#include "volcaustic/dense.h"
 #include "volcaustic/device.h"
 #include "volcaustic/error.h"
 #include "volcaustic/frames.h"
