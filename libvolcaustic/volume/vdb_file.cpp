@@ -3,6 +3,7 @@
 #include "core/atomic_file.h"
 #include "core/guarded_process.h"
 #include "core/hashed_file.h"
+#include "volume/host_grids.h"
 #include "volume/nanovdb.h"
 #include "volume/vdb_archive.h"
 #include "volume/vdb_guard.h"
@@ -42,7 +43,7 @@ void addCommonMetadata(openvdb::MetaMap& target, const VdbWriteOptions& options)
 /// Shallow copies that carry the file's common metadata and, where wanted, the half-float flag.
 openvdb::GridPtrVec prepared(const openvdb::GridPtrVec& grids, const VdbWriteOptions& options) {
   openvdb::GridPtrVec result;
-  for (const auto& grid : grids) {
+  for (const auto& grid : gridsForHost(grids, options.preset)) {
     result.push_back(grid->copyGrid());
     addCommonMetadata(*result.back(), options);
     result.back()->setCreator("volcaustic " VOLCAUSTIC_VERSION);

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <openvdb/io/Stream.h>
+#include <set>
 
 namespace volcaustic::test {
 namespace {
@@ -30,6 +31,32 @@ openvdb::GridBase::Ptr readDirectly(const std::filesystem::path& path, const std
   openvdb::io::File file(path);
   file.open(false);
   return file.readGrid(name);
+}
+
+TEST(VdbRoundTrip, HostsGetTheGridsThatTheyUse) {
+  const TemporaryFolder folder;
+  const auto names = [&](HostPreset preset, bool parts) {
+    VdbWriteOptions options;
+    options.preset = preset;
+    options.parts = parts;
+    writeVdb(folder / "light.vdb", ballLight(), ballMedium(), options);
+    std::set<std::string> found;
+    for (const GridInfo& grid : inspectVdb(folder / "light.vdb").grids) found.insert(grid.name);
+    return found;
+  };
+  using Names = std::set<std::string>;
+  EXPECT_EQ(names(HostPreset::None, false), (Names{"density", "direction", "emission", "radiance"}));
+  EXPECT_EQ(names(HostPreset::Houdini, false), (Names{"density", "direction", "emission", "radiance"}));
+  EXPECT_FALSE(readDirectly(folder / "light.vdb", "emission")->saveFloatAsHalf());
+  for (const HostPreset preset : {HostPreset::Blender, HostPreset::Arnold, HostPreset::Renderman})
+    EXPECT_EQ(names(preset, true), (Names{"caustic", "density", "direct", "emission", "radiance"}));
+  EXPECT_TRUE(readDirectly(folder / "light.vdb", "emission")->saveFloatAsHalf());
+  EXPECT_EQ(names(HostPreset::Unreal, false), (Names{"density", "emission"})); // four channels
+  VdbWriteOptions options;
+  options.preset = HostPreset::Unreal;
+  writeVdb(folder / "medium.vdb", ballMedium(), options);
+  EXPECT_EQ(inspectVdb(folder / "medium.vdb").grids.size(), 5U);
+  EXPECT_FALSE(readDirectly(folder / "medium.vdb", "index")->saveFloatAsHalf());
 }
 
 TEST(VdbRoundTrip, MediumComesBackBitByBit) {

@@ -49,6 +49,7 @@ void declareConvert(CLI::App& command, Convert& o) {
       ->group(kMapping);
   addFlags(command, o.import);
   command.add_flag("--half", o.write.half, "16-bit floats in .vdb, .nvdb and .exr files");
+  addFlags(command, o.write, {{"preset"}, {}});
   addFlags(command, o.image, {{"layers", "compression", "tiles", "exposure", "tone", "bits", "alpha"}, {}});
   addFlags(command, o.stage);
 }

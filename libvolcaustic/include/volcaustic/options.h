@@ -52,6 +52,9 @@ constexpr std::array<const char*, 5> enumNames(ExrCompression) { return {"none",
 constexpr std::array<const char*, 4> enumNames(OpticalProperty) {
   return {"index", "attenuation", "scattering", "asymmetry"};
 }
+constexpr std::array<const char*, 6> enumNames(HostPreset) {
+  return {"none", "blender", "houdini", "arnold", "unreal", "renderman"};
+}
 constexpr std::array<const char*, 2> enumNames(UpAxis) { return {"y", "z"}; }
 constexpr std::array<const char*, 2> enumNames(ToneCurve) { return {"plain", "aces"}; }
 constexpr std::array<const char*, 4> enumNames(LightType) { return {"directional", "point", "spot", "environment"}; }
@@ -368,6 +371,7 @@ void describe(Visitor&& visit, MediumImport& o) {
 
 template <class Visitor>
 void describe(Visitor&& visit, VdbWriteOptions& o) {
+  visit("preset", o.preset, FieldDoc{"the grids of light that a program uses, in 16 bits where those do"});
   visit("half", o.half, FieldDoc{"16-bit floats in .vdb files"});
   visit("parts", o.parts, FieldDoc{"also write the grids caustic and direct"});
   visit("exposure", o.exposure, FieldDoc{"multiply the grids of light by 2 to this power; recorded", "stops", -40, 40});

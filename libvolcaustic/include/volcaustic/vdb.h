@@ -18,7 +18,11 @@
 
 namespace volcaustic {
 
+/// Who will open a file of light: it holds the grids that the program uses, in 16 bits where those do (docs/hosts.md).
+enum class HostPreset { None, Blender, Houdini, Arnold, Unreal, Renderman };
+
 struct VdbWriteOptions {
+  HostPreset preset = HostPreset::None;
   bool half = false;   ///< 16-bit floats in the file
   bool parts = false;  ///< also `caustic` and `direct` (radiance volumes)
   double exposure = 0; ///< stops: radiance, caustic, direct and emission are multiplied by 2^exposure; recorded
