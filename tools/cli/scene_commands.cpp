@@ -68,7 +68,10 @@ int runCheck(const SceneCheck& o) {
   Job job("scene check", o.common);
   for (const std::string& file : o.files) {
     const Scene scene = readSceneArgument(file, o.flags.at(1), job.context());
-    checkFiles(scene, file);
+    for (int frame = scene.frames.first; frame <= scene.frames.last; ++frame) {
+      job.context().throwIfCancelled();
+      checkFiles(readSceneArgument(file, o.flags.at(frame), withoutWords(job.context())), file);
+    }
     job.addInput(file);
     job.report()["sceneHashes"].push_back(sceneHash(scene));
     job.console().say(fmt::format("{}: good; {} objects, {} materials, {} lights", file, scene.objects.size(),
@@ -115,8 +118,8 @@ void addSceneCommands(CLI::App& app, Action& action) {
   CLI::App* scene =
       app.add_subcommand("scene", "check scene files, write their meshes, print their JSON Schema, start a new one");
   scene->require_subcommand(1);
-  addCommand<SceneCheck>(*scene, action, "check", "validate scene files and the files they name", declareCheck,
-                         runCheck);
+  addCommand<SceneCheck>(*scene, action, "check", "validate scene files and the files they name, in every frame",
+                         declareCheck, runCheck);
   addCommand<SceneSchema>(*scene, action, "schema", "print the JSON Schema of scene files, or of shape files",
                           declareSchema, runSchema);
   addSceneMeshCommand(*scene, action);

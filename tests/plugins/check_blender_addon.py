@@ -1,0 +1,299 @@
+"""blender --background --python check_blender_addon.py -- FOLDER: the add-on from end to end."""
+import json
+import math
+import os
+import subprocess
+import sys
+import time
+
+import addon_utils
+import bpy
+import numpy as np
+
+OUT = sys.argv[sys.argv.index("--") + 1]
+PROGRAM = os.environ["VOLCAUSTIC"]
+ADDON = "volcaustic_blender"
+WIDTH, HEIGHT = 160, 120
+
+
+def program(*arguments):
+    done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def add(data, location=(0, 0, 0), rotation=(0, 0, 0)):
+    obj = bpy.data.objects.new(data.name, data)
+    obj.location, obj.rotation_euler = location, rotation
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def glass(index):
+    material = bpy.data.materials.new("glass")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    shader = nodes.new("ShaderNodeBsdfGlass")
+    shader.inputs["IOR"].default_value = index
+    material.node_tree.links.new(shader.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return material
+
+
+def build_scene():
+    """A glass ball in a box of thin fog, under a sun that stands a little to the side."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable(ADDON, default_set=True)  # the factory's settings have forgotten it
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5, segments=64, ring_count=32, location=(0, 0, 0.4))
+    ball = bpy.context.object
+    ball.name = "Ball / größte"
+    ball.data.materials.append(glass(1.5))
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    box = bpy.context.object
+    box.name, box.scale, box.display_type, box.hide_render = "domain", (1, 0.8, 1.2), "WIRE", True
+    sun = bpy.data.lights.new("sun", "SUN")
+    sun.energy, sun.angle, sun.color = 3, 0, (1, 0.8, 0.5)
+    sun = add(sun, rotation=(0, math.radians(15), 0))
+    camera = add(bpy.data.cameras.new("camera"), (0, -7, 0), (math.pi / 2, 0, 0))
+    camera.data.lens = 80
+    scene.camera = camera
+    scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
+    world = bpy.data.worlds.new("dark")
+    world.color = (0, 0, 0)
+    scene.world = world
+    settings = scene.volcaustic
+    settings.domain, settings.resolution, settings.photons = box, 96, 256
+    settings.fog_scattering, settings.fog_absorption = 0.12, 0.03
+    return ball, sun
+
+
+def test_settings_live_in_the_file():
+    ball, _ = build_scene()
+    ball.volcaustic.priority = 3
+    path = os.path.join(OUT, "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    scene = bpy.context.scene
+    assert scene.volcaustic.domain.name == "domain" and scene.volcaustic.photons == 256
+    assert scene.objects["Ball / größte"].volcaustic.priority == 3
+
+
+def bake(span="FRAME"):
+    assert bpy.ops.volcaustic.bake(span=span) == {"FINISHED"}
+    return bpy.context.scene.volcaustic.result
+
+
+def exported():
+    path = os.path.join(OUT, "volcaustic_cache", "Scene", "scene.json")
+    program("scene", "check", path)
+    with open(path, encoding="utf-8") as file:
+        return path, json.load(file)
+
+
+def test_a_frame():
+    volume = bake()
+    _, scene = exported()
+    light = scene["lights"][0]
+    assert np.allclose(light["irradiance"], [3, 2.4, 1.5]) and light["type"] == "directional"
+    assert np.allclose(light["direction"], [-math.sin(math.radians(15)), 0, -math.cos(math.radians(15))], atol=1e-6)
+    assert scene["materials"]["Ball / größte"]["index"] == 1.5 and scene["objects"][0]["priority"] == 3
+    assert np.allclose(scene["volume"]["bounds"]["max"], [1, 0.8, 1.2])
+    assert volume.data.render.clipping == 0 and not volume.data.is_sequence
+    assert volume.data.grids.load(), volume.data.grids.error_message
+    assert {"emission", "density", "radiance"} <= {grid.name for grid in volume.data.grids}
+    again = bake()
+    assert again == volume and len([o for o in bpy.context.scene.objects if o.type == "VOLUME"]) == 1
+
+
+def picture(path):
+    """Linear pixels, rows from the top."""
+    image = bpy.data.images.load(path)
+    pixels = np.array(image.pixels[:], float).reshape(image.size[1], image.size[0], -1)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def render_with_cycles(path):
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.device = "CPU"
+    scene.cycles.samples = 16
+    scene.cycles.use_denoising = False
+    scene.cycles.volume_step_rate = 0.5
+    scene.view_settings.view_transform = "Raw"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+
+
+def luminance(pixels):
+    return pixels @ [0.2126, 0.7152, 0.0722]
+
+
+def test_cycles_shows_what_volcaustic_sees(ball):
+    """Without the glass, which volcaustic's view looks through: below it both see straight to the caustic."""
+    scene_file, _ = exported()
+    ours = os.path.join(OUT, "ours.exr")
+    program("render", scene_file, "-o", ours, "-o", os.path.join(OUT, "ours.png"), "--float", "--layers", "R,G,B,A")
+    theirs = os.path.join(OUT, "theirs.exr")
+    ball.hide_render = True
+    sun = bpy.context.scene.objects["sun"]
+    sun.hide_render = True  # its light is in the volume
+    render_with_cycles(theirs)
+    ball.hide_render = sun.hide_render = False
+    a, b = luminance(picture(ours)), luminance(picture(theirs))
+    rows = slice(HEIGHT // 2 + 6, HEIGHT)  # below the ball
+    a, b = a[rows], b[rows]
+    peaks = [np.array(np.unravel_index(np.argmax(box(v)), v.shape)) for v in (a, b)]
+    correlation = np.corrcoef(a.ravel(), b.ravel())[0, 1]
+    level = b.sum() / a.sum()
+    print(f"peaks {peaks[0]} {peaks[1]}, correlation {correlation:.4f}, Cycles / volcaustic {level:.4f}, "
+          f"brightest {a.max():.4f} {b.max():.4f}")
+    assert np.abs(peaks[0] - peaks[1]).max() <= 2, peaks
+    assert correlation > 0.97 and abs(level - 1) < 0.05, (correlation, level)
+    # The sun comes from the right, so its caustic is to the left of the middle.
+    assert peaks[1][1] < WIDTH / 2 - 4, peaks
+    assert a.max() > 4 * np.median(a)
+
+
+def box(values):
+    """3 x 3 means, so that a single noisy pixel is no peak."""
+    padded = np.pad(values, 1, mode="edge")
+    return sum(padded[i:i + values.shape[0], j:j + values.shape[1]] for i in range(3) for j in range(3)) / 9
+
+
+def test_an_animation(sun):
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 4, 6
+    for frame, angle in ((4, 15), (6, -15)):
+        sun.rotation_euler = (0, math.radians(angle), 0)
+        sun.keyframe_insert("rotation_euler", frame=frame)
+    scene.frame_set(5)
+    volume = bake("ANIMATION")
+    assert scene.frame_current == 5, "the frame is what it was"
+    _, data = exported()
+    assert [key[0] for key in data["animation"]["/lights/0/direction"]] == [4, 5, 6]
+    assert data["objects"][0]["mesh"].endswith(".ply") and "####" not in data["objects"][0]["mesh"], "it does not move"
+    assert volume.data.is_sequence
+    for frame in (4, 5, 6):
+        scene.frame_set(frame)
+        assert volume.data.grids.load(), volume.data.grids.error_message
+        assert volume.data.grids.frame == frame, (volume.data.grids.frame, frame)
+    ball = scene.objects["Ball / größte"]
+    for frame, height in ((4, 0.4), (6, 0.5)):
+        ball.location.z = height
+        ball.keyframe_insert("location", frame=frame)
+    bake("ANIMATION")
+    _, data = exported()
+    assert data["objects"][0]["mesh"].endswith(".####.ply"), "a moving body is a sequence"
+    ball.animation_data_clear()
+    sun.animation_data_clear()
+    scene.frame_end = 4
+
+
+def test_point_lights_are_as_bright_as_in_cycles():
+    """The irradiance of a point light in both: Cycles' on a white sheet, and the add-on's intensity over the distance^2."""
+    from volcaustic_blender.export import light_values
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable(ADDON, default_set=True)
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_plane_add(size=0.2)
+    sheet = bpy.data.materials.new("white")
+    sheet.use_nodes = True
+    sheet.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1, 1, 1, 1)
+    sheet.node_tree.nodes.clear()
+    diffuse = sheet.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
+    sheet.node_tree.links.new(diffuse.outputs[0], sheet.node_tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    bpy.context.object.data.materials.append(sheet)
+    scene.camera = add(bpy.data.cameras.new("camera"), (0, 0, 1), (0, 0, 0))
+    scene.camera.data.lens = 500
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.world = bpy.data.worlds.new("dark")
+    scene.world.color = (0, 0, 0)
+    for kind, place, expected in (("POINT", 2, None), ("SPOT", 2, None), ("SUN", 2, None)):
+        light = bpy.data.lights.new(kind, kind)
+        light.energy = 5 if kind == "SUN" else 100
+        if kind != "SUN":
+            light.shadow_soft_size = 0
+        obj = add(light, (0, 0, place))
+        bpy.context.view_layer.update()
+        values = light_values(obj)
+        ours = values["irradiance"][0] if kind == "SUN" else values["intensity"][0] / place ** 2
+        path = os.path.join(OUT, f"{kind}.exr")
+        render_with_cycles(path)
+        theirs = picture(path)[4, 4, 0] * math.pi
+        print(f"{kind}: irradiance {ours:.4f}, in Cycles {theirs:.4f} W/m2")
+        assert abs(theirs / ours - 1) < 0.01, (kind, ours, theirs)
+        bpy.data.objects.remove(obj)
+
+
+def refusal(**changes):
+    """What the operator says to a person."""
+    settings = bpy.context.scene.volcaustic
+    before = {name: getattr(settings, name) for name in changes}
+    for name, value in changes.items():
+        setattr(settings, name, value)
+    try:
+        bpy.ops.volcaustic.bake()
+    except RuntimeError as error:
+        return str(error)
+    finally:
+        for name, value in before.items():
+            setattr(settings, name, value)
+    raise AssertionError(f"nothing was said of {changes}")
+
+
+def test_faults_are_sentences(ball, sun):
+    preferences = bpy.context.preferences.addons[ADDON].preferences
+    for path, words in (("/nowhere/volcaustic", "no such program"), ("/bin/true", "is not volcaustic")):
+        preferences.program = path
+        said = refusal()
+        assert words in said and "Traceback" not in said and len(said.strip().splitlines()) == 1, said
+    preferences.program = ""
+    ball.volcaustic.role = "IGNORE"
+    assert "nothing bends light" in refusal()
+    ball.volcaustic.role = "AUTO"
+    sun.hide_render = True
+    assert "no light" in refusal()
+    sun.hide_render = False
+    ball.volcaustic.own_index, ball.volcaustic.index = True, 0.1
+    ball.volcaustic.absorption = (1e6, 1e6, 1e6)
+    said = refusal(resolution=4096)  # more memory than there is
+    assert len(said.strip().splitlines()) == 1 and "Traceback" not in said, said
+    ball.volcaustic.own_index = False
+    ball.volcaustic.absorption = (0, 0, 0)
+
+
+def test_a_bake_can_be_cancelled():
+    from volcaustic_blender import job
+    scene_file, _ = exported()
+    target = os.path.join(OUT, "cancelled.vdb")
+    running = job.Bake([PROGRAM, "trace", scene_file, "-o", target, "--progress", "--set", "photons.grid=[8192,8192]",
+                        "--set", "volume.resolution=256"])
+    while running.running() and running.stage != "photons":
+        time.sleep(0.02)
+    assert running.running() and "photons" in running.text
+    running.cancel()
+    running.wait()
+    assert running.cancelled and not running.failure and not job.RUNNING
+    assert not [f for f in os.listdir(OUT) if f.startswith("cancelled")], "half a file is left"
+    another = job.Bake([PROGRAM, "trace", scene_file, "-o", target, "--set", "photons.grid=[8192,8192]"])
+    addon_utils.disable(ADDON)  # ends what runs
+    assert not another.running() and not job.RUNNING
+    addon_utils.enable(ADDON)
+    addon_utils.disable(ADDON)
+    assert not hasattr(bpy.types.Object, "volcaustic") and not hasattr(bpy.types, "VOLCAUSTIC_PT_world")
+
+
+test_settings_live_in_the_file()
+BALL, SUN = (bpy.context.scene.objects[name] for name in ("Ball / größte", "sun"))
+test_a_frame()
+test_cycles_shows_what_volcaustic_sees(BALL)
+test_an_animation(SUN)
+test_faults_are_sentences(BALL, SUN)
+test_point_lights_are_as_bright_as_in_cycles()
+test_a_bake_can_be_cancelled()
+print("the add-on bakes in Blender", bpy.app.version_string)
