@@ -40,7 +40,8 @@ PUBLIC = {
 # Other people's headers: what they are called -> pattern of their names, and the files that may name them. A header that
 # no pattern knows is a new dependency: give it a row here and a reason in docs/architecture.md.
 EXTERNAL = {
-    "OpenVDB": (r"(openvdb|nanovdb)/", [f"{LIBRARY}/(volume|simulation)/", f"{LIBRARY}/include/volcaustic/openvdb.h"]),
+    "OpenVDB": (r"(openvdb|nanovdb)/", [f"{LIBRARY}/(volume|simulation)/", f"{LIBRARY}/include/volcaustic/openvdb.h",
+                                      "tools/plugins/python/medium_grids."]),
     "OpenMesh": (r"OpenMesh/", [f"{LIBRARY}/(mesh|deform)/"]),
     "Eigen": (r"Eigen/", [f"{LIBRARY}/(deform|simulation)/"]),
     "Bullet": (r"(Bullet\w+/|LinearMath/|bullet/|bt[A-Z]\w+\.h)", [f"{LIBRARY}/simulation/"]),

@@ -1,0 +1,24 @@
+// The extension module volcaustic._core; the package in volcaustic/ is what people import.
+#include "common.h"
+
+PYBIND11_MODULE(_core, m) {
+  using namespace volcaustic::python;
+  m.doc() = "Bindings of the library volcaustic.";
+  m.attr("__version__") = VOLCAUSTIC_VERSION;
+  m.attr("_fields") = py::dict();
+  addErrors(m);
+  addShapes(m);
+  addImages(m);
+  addOptions(m);
+  addShapeKinds(m);
+  addMeshes(m);
+  addScenes(m);
+  addDeforming(m);
+  addMedia(m);
+  addMediumGrids(m);
+  addPhotons(m);
+  addViews(m);
+  addVolumes(m);
+  addDevices(m);
+  addSessions(m);
+}
