@@ -43,6 +43,10 @@ void check(const Camera& c, const ViewOptions& o) {
   if (o.maxSteps < 1) throw Error(ErrorKind::Usage, "view.maxSteps: must be at least 1");
 }
 
+bool sameLattice(const Domain& a, const Domain& b) {
+  return a.minCorner == b.minCorner && a.voxelSize == b.voxelSize && a.dims == b.dims;
+}
+
 kernels::CameraFrame cameraFrame(const Camera& c, const Domain& domain) {
   const Double3 forward = kernels::normalize(vec(c.target) - vec(c.position));
   const Double3 right = kernels::normalize(kernels::cross(forward, vec(c.up)));
@@ -92,6 +96,8 @@ ViewResult renderView(const Medium& medium, const FlatMediumStorage& flat, const
                       const LitReceivers& receivers, const Camera& camera, const Background& background,
                       const ViewOptions& options, const RunContext& ctx, const ViewObserver& observer) {
   check(camera, options);
+  if (!radiance || !sameLattice(radiance.domain(), medium.domain()))
+    throw Error(ErrorKind::Usage, "view: the light is of another domain than the medium; trace it in this one");
   const LaneSet& lanes = laneSet(parseDevice(ctx.device).lanes);
   Picture picture(camera, options, medium.domain().voxelSize, ctx);
   const double ambient = medium.ambient().index;

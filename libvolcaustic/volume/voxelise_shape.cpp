@@ -104,6 +104,7 @@ private:
   [[nodiscard]] bool isOutside(const Interval& bound) const { return bound.high * mLattice.scale <= -.5; }
 
   void coverBricks(const Cells& bricks, const ShapeProgram& program, std::size_t level, int slot) {
+    mContext.throwIfCancelled(); // a piece of a large shape takes seconds
     Worker& worker = mWorkers[slot];
     ShapeProgram& here = worker.programs[level];
     const Interval bound = program.prune(boxOf(bricks, mLattice.brickSamples()), here, worker.scratch);

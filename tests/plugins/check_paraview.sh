@@ -4,6 +4,7 @@
 set -eu
 here=$(dirname "$0")
 . "$here/skip.sh"
+. "$here/display.sh"
 need pvpython
 need Xvfb # Debian's build draws on displays only
 pvpython -c "import pyopenvdb" 2>/dev/null || { echo "skipped: pvpython finds no pyopenvdb (python3-openvdb)"; exit 77; }
@@ -11,15 +12,7 @@ out=$(mktemp -d) # and no settings of the person who runs this
 server=
 trap '[ -z "$server" ] || kill "$server"; rm -rf "$out"' EXIT
 
-# The server says which display it is when it is ready.
-Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>"$out/display" 2>/dev/null &
-server=$!
-tries=0
-until [ -s "$out/display" ]; do
-  tries=$((tries + 1))
-  [ "$tries" -le 300 ] || { echo "Xvfb does not start"; exit 1; }
-  sleep 0.1
-done
-HOME=$out DISPLAY=:$(cat "$out/display") pvpython "$here/check_paraview.py" "$2" "$1" "$out" 2>&1 | tee "$out/said"
+start_display "$out"
+HOME=$out pvpython "$here/check_paraview.py" "$2" "$1" "$out" 2>&1 | tee "$out/said"
 [ -z "${VOLCAUSTIC_KEEP:-}" ] || cp "$out/paraview.png" "$VOLCAUSTIC_KEEP"
 grep -q "^ParaView opens" "$out/said" # pvpython may end with 0 after an exception

@@ -54,6 +54,22 @@ Scene withoutObjects() {
 
 } // namespace
 
+TEST_F(SessionInputs, LightOfAnotherDomainIsRefused) {
+  Scene scene = movingScene();
+  Session finer(scene);
+  scene.volume.resolution += 8;
+  Session session(scene);
+  session.setRadiance(finer.photons().radiance);
+  try {
+    session.view();
+    FAIL() << "rendered light of another domain";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::Usage);
+  }
+  session.setRadiance({}); // no light at all
+  EXPECT_THROW(session.view(), Error);
+}
+
 TEST_F(SessionInputs, AMeshInMemoryMayChangeBehindItsPointer) {
   Scene scene = movingScene();
   const auto mesh = std::make_shared<Mesh>(*scene.objects[0].mesh);
