@@ -9,7 +9,8 @@ python=$1 build=$2
   { echo "skipped: scikit-build-core is not installed (tools/dev/python_tools)"; exit 77; }
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-"$python" -m pip --disable-pip-version-check wheel --quiet --no-build-isolation --no-deps -w "$out" \
+# The name that CMake finds by itself, so that ccache knows the library from the build before: Python has another of its own.
+CXX=${CXX:-/usr/bin/c++} "$python" -m pip --disable-pip-version-check wheel --quiet --no-build-isolation --no-deps -w "$out" \
   --config-settings=build-dir="$build" --config-settings=cmake.define.VOLCAUSTIC_WERROR=ON "$root"
 /usr/bin/python3 -m venv --system-site-packages "$out/environment"
 "$out/environment/bin/pip" --disable-pip-version-check install --quiet --no-deps --no-index "$out"/volcaustic-*.whl
@@ -18,4 +19,4 @@ cd "$out"
 import volcaustic
 assert volcaustic.__file__.startswith('$out'), volcaustic.__file__
 print('volcaustic', volcaustic.__version__)"
-"$here/run_pytest.sh" "$out/environment/bin/python" "$here/test_session.py" "$here/test_files.py" "$here/test_stubs.py"
+"$here/run_pytest.sh" "$out/environment/bin/python" "$here/test_session.py" "$here/test_files.py"
