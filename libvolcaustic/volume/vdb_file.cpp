@@ -10,11 +10,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <istream>
 #include <mutex>
 #include <openvdb/io/Stream.h>
+#include <sstream>
 #include <unistd.h>
 
 namespace volcaustic {
@@ -40,14 +42,56 @@ void addCommonMetadata(openvdb::MetaMap& target, const VdbWriteOptions& options)
   for (const auto& [key, value] : options.metadata) target.insertMeta(key, openvdb::StringMetadata(value));
 }
 
-/// Shallow copies that carry the file's common metadata and, where wanted, the half-float flag.
-openvdb::GridPtrVec prepared(const openvdb::GridPtrVec& grids, const VdbWriteOptions& options) {
+template <class Value>
+double largestComponent(const Value& value) {
+  if constexpr (openvdb::VecTraits<Value>::IsVec) {
+    double largest = 0;
+    for (int axis = 0; axis < openvdb::VecTraits<Value>::Size; ++axis)
+      largest = std::max(largest, std::abs(static_cast<double>(value[axis])));
+    return largest;
+  } else {
+    return std::abs(static_cast<double>(value));
+  }
+}
+
+/// The largest magnitude of all numbers in a grid of floats or of their vectors; 0 for other types.
+double largestMagnitude(const openvdb::GridBase& base) {
+  using Floating = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
+  double largest = 0;
+  base.apply<Floating>([&](const auto& grid) {
+    auto tile = grid.tree().cbeginValueAll();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) largest = std::max(largest, largestComponent(*tile));
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+      const auto* values = leaf->buffer().data();
+      for (openvdb::Index i = 0; i < leaf->buffer().size(); ++i)
+        largest = std::max(largest, largestComponent(values[i]));
+    }
+  });
+  return largest;
+}
+
+/// Whether 16 bits hold numbers up to the given: none is beyond the greatest half, and not all have less than 11
+/// digits.
+bool fitHalf(double largest) { return largest == 0 || (largest >= 0x1p-14 && largest <= 65504); }
+
+/// Shallow copies that carry the file's common metadata and, where wanted and of use, the half-float flag.
+openvdb::GridPtrVec prepared(const std::filesystem::path& path, const openvdb::GridPtrVec& grids,
+                             const VdbWriteOptions& options, const RunContext& ctx) {
   openvdb::GridPtrVec result;
   for (const auto& grid : gridsForHost(grids, options.preset)) {
     result.push_back(grid->copyGrid());
     addCommonMetadata(*result.back(), options);
     result.back()->setCreator("volcaustic " VOLCAUSTIC_VERSION);
     if (options.half) result.back()->setSaveFloatAsHalf(true);
+    if (!result.back()->saveFloatAsHalf() || path.extension() == ".nvdb") continue;
+    if (const double largest = largestMagnitude(*grid); !fitHalf(largest)) {
+      result.back()->setSaveFloatAsHalf(false);
+      std::ostringstream line;
+      line << path.string() << ": grid \"" << grid->getName() << "\" keeps 32 bits: its largest number is " << largest
+           << ", and 16 bits hold 6e-5 to 65504 well";
+      ctx.warn(line.str());
+    }
   }
   return result;
 }
@@ -111,7 +155,7 @@ void writeVdbFile(const std::filesystem::path& path, const openvdb::GridPtrVec& 
   if (!toStandardOutput && !nano && path.extension() != ".vdb")
     throw Error(ErrorKind::Usage, path.string() + ": is neither .vdb nor .nvdb; name the file by one of them");
   addCommonMetadata(metadata, options);
-  const openvdb::GridPtrVec finished = prepared(grids, options);
+  const openvdb::GridPtrVec finished = prepared(path, grids, options, ctx);
 
   AtomicFile file(toStandardOutput ? std::filesystem::temp_directory_path() / "volcaustic.vdb" : path);
   try {

@@ -143,6 +143,38 @@ TEST(VdbRoundTrip, HalfFloatsKeepElevenBits) {
     ASSERT_NEAR(read.grids().index->tree().getValue(value.getCoord()), *value, *value / 2048);
 }
 
+TEST(VdbRoundTrip, LightBeyondSixteenBitsKeepsThirtyTwo) {
+  const TemporaryFolder folder;
+  writeVdb(folder / "light.vdb", ballLight(), ballMedium());
+  const auto radiance = [&](double exposure, bool half) {
+    std::vector<std::string> warnings;
+    RunContext ctx;
+    ctx.onLog = [&](LogLevel, std::string_view line) { warnings.emplace_back(line); };
+    VdbWriteOptions options;
+    options.half = half;
+    options.exposure = exposure;
+    writeVdb(folder / "light.vdb", ballLight(), ballMedium(), options, ctx);
+    const auto grid = openvdb::gridPtrCast<openvdb::Vec3SGrid>(readDirectly(folder / "light.vdb", "radiance"));
+    const bool kept = !grid->saveFloatAsHalf();
+    EXPECT_EQ(kept && half, std::any_of(warnings.begin(), warnings.end(), [](const std::string& line) {
+                return line.find("\"radiance\" keeps 32 bits") != std::string::npos;
+              }));
+    double sum = 0;
+    for (auto value = grid->cbeginValueOn(); value; ++value) sum += value->length();
+    return std::pair(kept, sum / std::exp2(exposure));
+  };
+  const double sum = radiance(0, false).second;
+  ASSERT_GT(sum, 0);
+  for (const double exposure : {-40.0, 40.0}) { // lost, and infinite, in 16 bits
+    const auto [kept, found] = radiance(exposure, true);
+    EXPECT_TRUE(kept);
+    EXPECT_NEAR(found, sum, 1e-6 * sum);
+  }
+  const auto [kept, found] = radiance(0, true);
+  EXPECT_FALSE(kept);
+  EXPECT_NEAR(found, sum, 1e-3 * sum);
+}
+
 TEST(VdbWrite, BytesDependOnNothingButTheGrids) {
   const TemporaryFolder folder;
   RunContext one, two;
