@@ -220,7 +220,7 @@ def test_point_lights_are_as_bright_as_in_cycles():
             light.shadow_soft_size = 0
         obj = add(light, (0, 0, place))
         bpy.context.view_layer.update()
-        values = light_values(obj)
+        values = light_values(obj.name, obj.data, obj.matrix_world)
         ours = values["irradiance"][0] if kind == "SUN" else values["intensity"][0] / place ** 2
         path = os.path.join(OUT, f"{kind}.exr")
         render_with_cycles(path)
@@ -228,6 +228,143 @@ def test_point_lights_are_as_bright_as_in_cycles():
         print(f"{kind}: irradiance {ours:.4f}, in Cycles {theirs:.4f} W/m2")
         assert abs(theirs / ours - 1) < 0.01, (kind, ours, theirs)
         bpy.data.objects.remove(obj)
+
+
+def exported_scene():
+    """What the add-on would bake, without the bake."""
+    from volcaustic_blender import export
+    folder = os.path.join(OUT, "exported")
+    path, warnings = export.export(bpy.context, folder, [1])
+    program("scene", "check", path)
+    with open(path, encoding="utf-8") as file:
+        return path, json.load(file), warnings
+
+
+def mesh_of(path, entry):
+    """Volume and middle of an exported mesh, by the divergence theorem."""
+    mesh = os.path.join(os.path.dirname(path), entry["mesh"])
+    with open(mesh, "rb") as file:
+        content = file.read()
+    header, body = content.split(b"end_header\n", 1)
+    counts = [int(line.split()[2]) for line in header.decode().splitlines() if line.startswith("element")]
+    points = np.frombuffer(body, "<f8", counts[0] * 3).reshape(-1, 3)
+    faces = np.frombuffer(body, [("n", "u1"), ("c", "<i4", 3)], counts[1], counts[0] * 24)["c"]
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6, (points.min(axis=0) + points.max(axis=0)) / 2
+
+
+def three_cubes():
+    """Geometry nodes that put a cube on each of three points above each other."""
+    group = bpy.data.node_groups.new("three", "GeometryNodeTree")
+    if hasattr(group, "interface"):  # since Blender 4.0
+        group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        group.outputs.new("NodeSocketGeometry", "Geometry")
+    line, shape, instance, out = (group.nodes.new(kind) for kind in (
+        "GeometryNodeMeshLine", "GeometryNodeMeshCube", "GeometryNodeInstanceOnPoints", "NodeGroupOutput"))
+    line.inputs["Count"].default_value, line.inputs["Offset"].default_value = 3, (0, 0, 3)
+    group.links.new(line.outputs[0], instance.inputs["Points"])
+    group.links.new(shape.outputs[0], instance.inputs["Instance"])
+    group.links.new(instance.outputs[0], out.inputs[0])
+    return group
+
+
+def test_what_is_rendered_is_exported():
+    """Instances, curves and modifiers are; what is hidden from renders or in collections that are is not."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable(ADDON, default_set=True)
+    scene = bpy.context.scene
+    add(bpy.data.lights.new("sun", "SUN"))
+    clear = glass(1.3)
+
+    def cube(name, collection):
+        bpy.ops.mesh.primitive_cube_add(size=1)
+        obj = bpy.context.object
+        obj.name = name
+        obj.data.materials.append(clear)
+        for holder in obj.users_collection:
+            holder.objects.unlink(obj)
+        collection.objects.link(obj)
+        return obj
+
+    sources, hidden = bpy.data.collections.new("sources"), bpy.data.collections.new("hidden")
+    for collection in (sources, hidden):
+        scene.collection.children.link(collection)
+    cube("source", sources)
+    cube("unseen", hidden)
+    hidden.hide_render = True
+    cube("off", scene.collection).hide_render = True
+    row = cube("row", scene.collection)
+    array = row.modifiers.new("array", "ARRAY")
+    array.count, array.relative_offset_displace = 3, (2, 0, 0)
+    row.scale = (1, 1, 0.5)
+    bpy.context.view_layer.layer_collection.children["sources"].exclude = True
+    for name, x, scale in (("left", -5, (2, 2, 2)), ("right", 5, (-1, 1, 1))):
+        empty = bpy.data.objects.new(name, None)
+        scene.collection.objects.link(empty)
+        empty.location, empty.scale = (x, 0, 0), scale
+        empty.instance_type, empty.instance_collection = "COLLECTION", sources
+    cubes = cube("cubes", scene.collection)
+    cubes.modifiers.new("nodes", "NODES").node_group = three_cubes()
+    text = bpy.data.curves.new("text", "FONT")
+    text.body, text.extrude = "V", 0.1
+    text.materials.append(clear)
+    add(text, (0, 3, 0))
+    bpy.context.view_layer.update()
+    path, data, warnings = exported_scene()
+    assert not warnings, warnings
+    found = {entry["name"]: mesh_of(path, entry) for entry in data["objects"]}
+    kinds = sorted(name.split(".")[0] for name in found)
+    assert kinds == ["cubes/cubes"] * 3 + ["left/source", "right/source", "row", "text"], kinds
+    heights = sorted(middle[2] for name, (_, middle) in found.items() if name.startswith("cubes"))
+    assert np.allclose(heights, [0, 3, 6]), heights
+    for name, (volume, middle) in found.items():
+        expected = {"left": (8, -5), "right": (1, 5), "row": (1.5, 2)}.get(name.split("/")[0])
+        if expected:
+            assert abs(volume - expected[0]) < 1e-6 and abs(middle[0] - expected[1]) < 1e-6, (name, volume, middle)
+    assert found["text"][0] > 0, "outwards"
+
+
+def test_the_world_is_where_cycles_has_it():
+    """A map with one bright spot, turned by a Mapping node: volcaustic's background and Cycles' show it at the same place."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable(ADDON, default_set=True)
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_cube_add(size=0.01, location=(0, 0, -50))  # behind the camera
+    bpy.context.object.data.materials.append(glass(1.01))
+    pixels = np.full((32, 64, 4), 0.1, np.float32)
+    pixels[18:20, 40:42, :3] = (5, 3, 1)  # rows from below
+    picture_file = bpy.data.images.new("sky", 64, 32, float_buffer=True)
+    picture_file.pixels = pixels.ravel()
+    picture_file.filepath_raw, picture_file.file_format = os.path.join(OUT, "sky.exr"), "OPEN_EXR"
+    picture_file.save()
+    world = scene.world = bpy.data.worlds.new("sky")
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    texture, mapping, coordinate = (nodes.new("ShaderNode" + kind) for kind in ("TexEnvironment", "Mapping", "TexCoord"))
+    texture.image = bpy.data.images.load(os.path.join(OUT, "sky.exr"))
+    mapping.inputs["Rotation"].default_value[2] = math.radians(35)
+    links.new(coordinate.outputs["Generated"], mapping.inputs["Vector"])
+    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    links.new(texture.outputs["Color"], nodes["Background"].inputs["Color"])
+    nodes["Background"].inputs["Strength"].default_value = 2
+    scene.camera = add(bpy.data.cameras.new("camera"), (0, 0, 0), (math.radians(100), 0, math.radians(-140)))
+    scene.camera.data.lens = 18
+    scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
+    scene.volcaustic.world_light, scene.volcaustic.fog_scattering = True, 0
+    for kind in ("POINT", "TEXTURE"):
+        mapping.vector_type = kind
+        bpy.context.view_layer.update()
+        path, data, _ = exported_scene()
+        assert data["lights"] == [{"name": "world", "type": "environment"}]
+        ours, theirs = os.path.join(OUT, "sky_ours.exr"), os.path.join(OUT, f"sky_theirs_{kind}.exr")
+        program("render", path, "-o", ours, "--float", "--layers", "R,G,B,A", "--set", "photons.grid=[8,8]", "--set",
+                "volume.resolution=8")
+        render_with_cycles(theirs)
+        a, b = luminance(picture(ours)), luminance(picture(theirs))
+        correlation = np.corrcoef(a.ravel(), b.ravel())[0, 1]
+        print(f"world, {kind}: correlation {correlation:.4f}, brightest {a.max():.3f} {b.max():.3f}")
+        assert b.max() > 2 and correlation > 0.98, (kind, correlation)
 
 
 def refusal(**changes):
@@ -295,5 +432,7 @@ test_cycles_shows_what_volcaustic_sees(BALL)
 test_an_animation(SUN)
 test_faults_are_sentences(BALL, SUN)
 test_point_lights_are_as_bright_as_in_cycles()
+test_what_is_rendered_is_exported()
+test_the_world_is_where_cycles_has_it()
 test_a_bake_can_be_cancelled()
 print("the add-on bakes in Blender", bpy.app.version_string)

@@ -7,10 +7,12 @@ import math
 import os
 import re
 
+import bpy
 import numpy as np
 
 from . import materials
 
+NO_PLACE = 2**31 - 1  # ends the place of an instance in Blender's lists
 MESH_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
@@ -18,10 +20,43 @@ class Refused(Exception):
     """What a person is told."""
 
 
-def ply_bytes(obj, depsgraph):
+def rendered_objects(view_layer):
+    """The names of what Cycles would render, instances aside."""
+    names = set()
+
+    def visit(layer):
+        if not layer.exclude and not layer.collection.hide_render:
+            names.update(o.name for o in layer.collection.objects if not o.hide_render)
+            for child in layer.children:
+                visit(child)
+
+    visit(view_layer.layer_collection)
+    return names
+
+
+def rendered_things(view_layer, depsgraph):
+    """Name, original object, evaluated object and world matrix of what is rendered: objects, then instances, whose names
+    stay the same from frame to frame."""
+    names = rendered_objects(view_layer)
+    for obj in view_layer.objects:
+        if obj.name in names and (obj.instance_type == "NONE" or obj.show_instancer_for_render):
+            evaluated = obj.evaluated_get(depsgraph)
+            yield obj.name, obj, evaluated, evaluated.matrix_world
+    for instance in depsgraph.object_instances:
+        if not instance.is_instance or instance.parent.name not in names or instance.object.original.hide_render:
+            continue
+        places = [part for part in instance.persistent_id if part != NO_PLACE]
+        if instance.object.original == instance.parent.original and len(places) < 2:
+            continue  # the surface of a curve or text, which is its own mesh
+        name = f"{instance.parent.name}/{instance.object.name}.{'.'.join(map(str, places))}"
+        yield name, instance.object.original, instance.object, instance.matrix_world
+
+
+def ply_bytes(evaluated, matrix_world):
     """Triangles of an evaluated object in world space, facing outwards also where it is mirrored; None where it has none."""
-    evaluated = obj.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh()
+    if mesh is None:
+        return None
     try:
         mesh.calc_loop_triangles()
         positions = np.empty(len(mesh.vertices) * 3, np.float32)
@@ -32,7 +67,7 @@ def ply_bytes(obj, depsgraph):
         evaluated.to_mesh_clear()
     if not len(triangles):
         return None
-    matrix = np.array(evaluated.matrix_world)
+    matrix = np.array(matrix_world)
     world = positions.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     corners = triangles.reshape(-1, 3)
     if np.linalg.det(matrix[:3, :3]) < 0:
@@ -45,12 +80,11 @@ def ply_bytes(obj, depsgraph):
     return header.encode() + world.astype("<f8").tobytes() + faces.tobytes()
 
 
-def light_values(obj):
+def light_values(name, light, matrix):
     """A light of volcaustic, or None for a type that it does not have. Sun: W/m2. Point and spot: a power of P watts is an
     intensity of P/(4 pi) W/sr, in the cone of a spot, too."""
-    light, matrix = obj.data, obj.matrix_world
     color = np.array(light.color, float) * light.energy
-    values = {"name": obj.name}
+    values = {"name": name}
     if light.type == "SUN":
         values.update(type="directional", irradiance=list(color), angle=math.degrees(light.angle))
     elif light.type in {"POINT", "SPOT"}:
@@ -81,13 +115,40 @@ def camera_values(scene, depsgraph):
             "resolution": [width, height]}
 
 
-def background_color(scene):
+def linked(socket):
+    """The node that gives a socket its value; None for one that has its own."""
+    return socket.links[0].from_node if socket.is_linked else None
+
+
+def map_values(node, folder):
+    """`background` of an environment texture. Cycles' maps have the conventions of volcaustic's. \\throws Refused."""
+    image, mapping = node.image, linked(node.inputs["Vector"])
+    if not image or node.projection != "EQUIRECTANGULAR" or image.source != "FILE":
+        raise Refused(f"{node.name}: the world's map has to be one picture in latitude and longitude")
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    if image.packed_file:
+        path = os.path.join(folder, "world_" + os.path.basename(path))
+        with open(path, "wb") as file:
+            file.write(image.packed_file.data)
+    turn = 0.0
+    if mapping and mapping.bl_idname == "ShaderNodeMapping":
+        turn = mapping.inputs["Rotation"].default_value[2] * (1 if mapping.vector_type == "TEXTURE" else -1)
+    return {"file": path, "turn": math.degrees(turn)}
+
+
+def background_values(scene, folder):
+    """`background` of the world's surface: a color or a map."""
     world = scene.world
-    if world and world.use_nodes and world.node_tree:
-        for node in world.node_tree.nodes:
-            if node.bl_idname == "ShaderNodeBackground":
-                return [c * node.inputs["Strength"].default_value for c in node.inputs["Color"].default_value[:3]]
-    return list(world.color) if world else [0.0, 0.0, 0.0]
+    node = world and world.use_nodes and world.node_tree and world.node_tree.get_output_node("ALL")
+    node = node and linked(node.inputs["Surface"])
+    if not node or node.bl_idname != "ShaderNodeBackground":
+        color = list(world.color) if world and not world.use_nodes else [0.0, 0.0, 0.0]
+        return {"bottom": color, "top": color}
+    strength, texture = node.inputs["Strength"].default_value, linked(node.inputs["Color"])
+    if texture and texture.bl_idname == "ShaderNodeTexEnvironment":
+        return {**map_values(texture, folder), "scale": [strength] * 3}
+    color = [c * strength for c in node.inputs["Color"].default_value[:3]]
+    return {"bottom": color, "top": color}
 
 
 def domain_bounds(obj, depsgraph):
@@ -102,8 +163,8 @@ def domain_bounds(obj, depsgraph):
 class Exporter:
     """Gathers a scene frame by frame, then writes it."""
 
-    def __init__(self, scene, folder):
-        self.scene, self.folder = scene, folder
+    def __init__(self, scene, view_layer, folder):
+        self.scene, self.view_layer, self.folder = scene, view_layer, folder
         self.settings = scene.volcaustic
         self.warnings = []
         self.meshes = {}  # object name -> {frame: digest}
@@ -111,19 +172,29 @@ class Exporter:
         self.json = None
 
     def gather(self, frame, depsgraph):
-        objects = [o for o in self.scene.objects if not o.hide_render and o != self.settings.domain
-                   and o != self.settings.result]
         first = self.json is None
         if first:
             self.json = self.frame_independent(depsgraph)
-        bodies = [o for o in objects if o.type in MESH_TYPES and materials.role_of(o) != "IGNORE"]
-        for obj in bodies:
-            self.add_mesh(obj, frame, depsgraph, first)
-        lights = [(o, light_values(o)) for o in objects if o.type == "LIGHT"]
-        for obj, values in lights:
-            if first and values is None:
-                self.warnings.append(f"{obj.name}: {obj.data.type.lower()} lights are left out; use a sun, point or spot")
-        self.track_list("lights", [values for _, values in lights if values], frame)
+        lights = []
+        bodies = []
+        for name, obj, evaluated, matrix in rendered_things(self.view_layer, depsgraph):
+            if obj in (self.settings.domain, self.settings.result):
+                continue
+            if obj.type in MESH_TYPES and materials.role_of(obj) != "IGNORE":
+                bodies.append(name)
+                self.add_mesh(name, obj, ply_bytes(evaluated, matrix), frame, first)
+            elif obj.type == "LIGHT":
+                values = light_values(name, evaluated.data, matrix)
+                if values:
+                    lights.append(values)
+                elif first:
+                    self.warnings.append(f"{name}: {evaluated.data.type.lower()} lights are left out; use a sun, point or spot")
+        if first:
+            self.warnings += [f"{name}: has no faces; left out" for name in bodies
+                              if name not in self.meshes and not any(m.startswith(name + "/") for m in self.meshes)]
+        if self.settings.world_light:
+            lights.append({"name": "world", "type": "environment"})
+        self.track_list("lights", lights, frame)
         camera = camera_values(self.scene, depsgraph)
         if camera:
             self.track("camera", camera, frame)
@@ -134,30 +205,28 @@ class Exporter:
                   "attenuation": [s.fog_scattering + s.fog_absorption] * 3}
         if s.domain:
             volume["bounds"] = domain_bounds(s.domain, depsgraph)
-        color = background_color(self.scene)
         rate = self.scene.render.fps / self.scene.render.fps_base
         return {"volcaustic": 1, "volume": volume, "materials": {}, "objects": [], "receivers": [], "lights": [],
-                "photons": {"grid": [s.photons, s.photons]}, "background": {"bottom": color, "top": color},
+                "photons": {"grid": [s.photons, s.photons]}, "background": background_values(self.scene, self.folder),
                 "frames": {"first": 1, "last": 1, "rate": rate}}
 
-    def add_mesh(self, obj, frame, depsgraph, first):
-        content = ply_bytes(obj, depsgraph)
+    def add_mesh(self, name, obj, content, frame, first):
         if content is None:
-            if first:
-                self.warnings.append(f"{obj.name}: has no faces; left out")
             return
-        if obj.name not in self.meshes:
+        if name not in self.meshes:
             if not first:
-                raise Refused(f"{obj.name}: appears in the midst of the animation; give it faces in every frame")
-            self.declare(obj)
-        digests = self.meshes.setdefault(obj.name, {})
+                raise Refused(f"{name}: appears in the midst of the animation; give it faces in every frame")
+            if obj.hide_viewport or (obj.name in self.view_layer.objects and obj.hide_get(view_layer=self.view_layer)):
+                self.warnings.append(f"{name}: is hidden in the viewport: its modifiers are not seen; show it")
+            self.declare(name, obj)
+        digests = self.meshes.setdefault(name, {})
         digests[frame] = hashlib.sha256(content).hexdigest()
-        with open(os.path.join(self.folder, self.mesh_name(obj.name, frame)), "wb") as file:
+        with open(os.path.join(self.folder, self.mesh_name(name, frame)), "wb") as file:
             file.write(content)
 
-    def declare(self, obj):
+    def declare(self, name, obj):
         """A placeholder for the mesh's file, which is known when all frames are."""
-        name, s = obj.name, obj.volcaustic
+        s = obj.volcaustic
         if materials.role_of(obj) == "RECEIVER":
             self.json["receivers"].append({"name": name, "mesh": name})
             return
@@ -193,8 +262,10 @@ class Exporter:
         if not self.json["objects"]:
             raise Refused("nothing bends light: give an object a glass material, or make it a Body in its properties")
         if not self.json["lights"]:
-            raise Refused("there is no light that can be traced; add a sun, point or spot")
+            raise Refused("there is no light that can be traced; add a sun, point or spot, or turn World Light on")
         for entry in self.json["objects"] + self.json["receivers"]:
+            if len(self.meshes[entry["mesh"]]) < len(frames):
+                raise Refused(f"{entry['mesh']}: vanishes in the midst of the animation; give it faces in every frame")
             entry["mesh"] = self.settle_mesh(entry["mesh"])
         animated = {place: [[f, keys[f]] for f in sorted(keys)] for place, keys in self.tracks.items()
                     if len({json.dumps(v) for v in keys.values()}) > 1}
@@ -226,7 +297,7 @@ def export(context, folder, frames):
     \\throws Refused."""
     scene = context.scene
     os.makedirs(folder, exist_ok=True)
-    exporter = Exporter(scene, folder)
+    exporter = Exporter(scene, context.view_layer, folder)
     current = scene.frame_current
     try:
         for frame in frames:

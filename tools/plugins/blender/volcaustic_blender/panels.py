@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import materials, operators
+from . import export, materials, operators
 
 
 class VOLCAUSTIC_PT_world(bpy.types.Panel):
@@ -14,7 +14,7 @@ class VOLCAUSTIC_PT_world(bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.volcaustic
         layout.use_property_split = True
-        for name in ("domain", "resolution", "photons", "fog_scattering", "fog_absorption"):
+        for name in ("domain", "resolution", "photons", "fog_scattering", "fog_absorption", "world_light"):
             layout.prop(settings, name)
         running = operators.current
         if running:
@@ -26,7 +26,9 @@ class VOLCAUSTIC_PT_world(bpy.types.Panel):
         row.operator("volcaustic.bake", text="Bake Animation").span = "ANIMATION"
         if not bpy.data.is_saved:
             layout.label(text="Save the file to keep what is baked", icon="INFO")
-        bodies = [o.name for o in context.scene.objects if o.type == "MESH" and materials.role_of(o) == "BODY"]
+        rendered = export.rendered_objects(context.view_layer)
+        bodies = [o.name for o in context.scene.objects
+                  if o.name in rendered and o.type in export.MESH_TYPES and materials.role_of(o) == "BODY"]
         layout.label(text="Bends light: " + (", ".join(bodies) or "nothing yet"))
 
 
@@ -38,7 +40,7 @@ class VOLCAUSTIC_PT_object(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object and context.object.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+        return context.object and context.object.type in export.MESH_TYPES
 
     def draw(self, context):
         layout, settings = self.layout, context.object.volcaustic
