@@ -105,7 +105,7 @@ using SceneAtFrame = std::function<Scene(int frame)>;
 /// The automatic box of a whole animation. One that followed what is in it would take the voxels along, and what stands
 /// still would flicker. Frames: those of the first scene's `frames` section, where it has more than one, else those
 /// that are wanted. Scenes that are equal are looked at once; `session` holds one of them afterwards.
-/// 	hrows Error(Input) where there is nothing in any frame.
+/// \throws Error(Input) where there is nothing in any frame.
 VOLCAUSTIC_API Box boxOfFrames(Session& session, const SceneAtFrame& sceneAt, std::vector<int> wanted);
 
 /// Scenes in the order in which a person made them.

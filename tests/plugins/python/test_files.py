@@ -122,6 +122,24 @@ def test_media_in_files(finished, tmp_path):
         volcaustic.write_vdb(tmp_path / "m.vdb", "light", medium)
 
 
+def test_stages(finished, tmp_path):
+    files = {frame: tmp_path / f"light.{frame:04d}.vdb" for frame in (3, 2)}
+    for file in files.values():
+        volcaustic.write_vdb(file, finished.photons(), finished.medium(), preset="unreal")
+    assert {grid.name for grid in volcaustic.inspect_vdb(files[2]).grids} == {"emission", "density"}
+    volcaustic.write_usd(tmp_path / "light.usda", files, meters_per_unit=.01, up_axis="y", rate=25)
+    stage = (tmp_path / "light.usda").read_text()
+    for line in ("metersPerUnit = 0.01", 'upAxis = "Y"', "timeCodesPerSecond = 25", "startTimeCode = 2", "endTimeCode = 3",
+                 "@./light.0003.vdb@"):
+        assert line in stage, line
+    volcaustic.write_usd(tmp_path / "one.usda", str(files[3]))
+    assert "timeSamples" not in (tmp_path / "one.usda").read_text()
+    with pytest.raises(volcaustic.UsageError, match="one.obj"):
+        volcaustic.write_usd(tmp_path / "one.usda", tmp_path / "one.obj")
+    with pytest.raises(TypeError):
+        volcaustic.write_usd(tmp_path / "one.usda", {"first": files[3]})
+
+
 def test_volumes_of_others_become_media(finished, tmp_path):
     path = tmp_path / "coverage.vdb"
     volcaustic.write_vdb(path, finished.medium())

@@ -70,6 +70,7 @@ void addOptions(py::module_& m) {
   noteFields<SurfaceOptions>(m, "SurfaceOptions");
   noteFields<MeshWriteOptions>(m, "MeshWriteOptions");
   noteFields<VdbWriteOptions>(m, "VdbWriteOptions");
+  noteFields<UsdWriteOptions>(m, "UsdWriteOptions");
   noteFields<ImageWriteOptions>(m, "ImageWriteOptions");
   noteFields<FlipOptions>(m, "FlipOptions");
   noteFields<MediumImport>(m, "MediumImport");

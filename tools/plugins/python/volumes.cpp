@@ -2,6 +2,9 @@
 #include "arrays.h"
 #include "light_handle.h"
 
+#include <map>
+#include <variant>
+#include <volcaustic/usd.h>
 #include <volcaustic/vdb.h>
 
 namespace volcaustic::python {
@@ -28,6 +31,23 @@ void write(const std::filesystem::path& path, py::handle what, const std::option
     else
       writeVdb(path, light.radiance, *medium, options, call.context());
   });
+}
+
+using Path = std::filesystem::path;
+
+/// A stage of one .vdb file, or of many by frame.
+void writeStage(const Path& path, const std::variant<Path, std::map<int, Path>>& files, const py::kwargs& given) {
+  Keywords keywords("write_usd()", given);
+  UsdWriteOptions options;
+  keywords.into(options);
+  Call call(keywords);
+  keywords.finish();
+  std::vector<UsdFrame> frames;
+  if (const Path* file = std::get_if<Path>(&files))
+    frames.push_back({1, *file});
+  else
+    for (const auto& [frame, name] : std::get<1>(files)) frames.push_back({frame, name});
+  call.run([&] { writeUsd(path, frames, options, call.context()); });
 }
 
 void addInfo(py::module_& m) {
@@ -66,7 +86,13 @@ void addVolumes(py::module_& m) {
   addInfo(m);
   m.def("write_vdb", &write, py::arg("path"), py::arg("what"), py::arg("medium") = py::none(),
         "Writes a Medium, or light (PhotonResult, RadianceVolume) with its medium, as .vdb or .nvdb: whole or not at "
-        "all. Keywords: half, parts, exposure, metadata, and those of every long call. Raises FileError, UsageError.");
+        "all. Keywords: preset, half, parts, exposure, metadata, and those of every long call. Raises FileError, "
+        "UsageError.");
+  m.def(
+      "write_usd", &writeStage, py::arg("path"), py::arg("files"),
+      "Writes an OpenUSD stage (.usda) of one Volume beside its .vdb files: a path, or a dict of paths by frame, which "
+      "become time samples. Keywords: meters_per_unit, up_axis, rate, and those of every long call. Raises FileError, "
+      "InputError, UsageError.");
   m.def(
       "read_radiance",
       [](const std::filesystem::path& path, const Domain& domain, const py::kwargs& given) {

@@ -1,7 +1,7 @@
 # Written by make_stubs.py from core.pyi.in and the described options; change those.
 
 from os import PathLike
-from typing import Any, Callable, Iterator, Literal, Sequence
+from typing import Any, Callable, Iterator, Literal, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -1420,7 +1420,16 @@ def write_vdb(
     device: str = ..., memory_limit: int = ..., progress: Progress | None = ..., log: Log | None = ...,
 ) -> None:
     """Writes a Medium, or light (PhotonResult, RadianceVolume) with its medium, as .vdb or .nvdb: whole or not at
-    all. Keywords: half, parts, exposure, metadata, and those of every long call. Raises FileError, UsageError."""
+    all. Keywords: preset, half, parts, exposure, metadata, and those of every long call. Raises FileError,
+    UsageError."""
+def write_usd(
+    path: StrPath, files: StrPath | Mapping[int, StrPath], *, meters_per_unit: float = ...,
+    up_axis: Literal["y", "z"] = ..., rate: float = ..., threads: int = ..., seed: int = ..., device: str = ...,
+    memory_limit: int = ..., progress: Progress | None = ..., log: Log | None = ...,
+) -> None:
+    """Writes an OpenUSD stage (.usda) of one Volume beside its .vdb files: a path, or a dict of paths by frame,
+    which become time samples. Keywords: meters_per_unit, up_axis, rate, and those of every long call. Raises
+    FileError, InputError, UsageError."""
 def read_radiance(
     path: StrPath, domain: Domain, *, threads: int = ..., seed: int = ..., device: str = ...,
     memory_limit: int = ..., progress: Progress | None = ..., log: Log | None = ...,
