@@ -4,8 +4,8 @@ import math
 import os
 import sys
 
+import bpy  # first: it finds the others
 import addon_utils
-import bpy
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tools/plugins/blender"))
@@ -52,8 +52,7 @@ def build():
     camera = bpy.data.cameras.new("camera")
     camera.lens = 50
     scene.camera = add("camera", camera, (0.6, -7.2, 0), (90, 0, 0))
-    scene.world = bpy.data.worlds.new("dark")
-    scene.world.color = (0, 0, 0)
+    scene.world = None
     settings = scene.volcaustic
     settings.domain, settings.resolution, settings.photons, settings.fog_scattering = box, 224, 1536, 0.12
     return scene

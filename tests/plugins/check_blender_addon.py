@@ -6,8 +6,8 @@ import subprocess
 import sys
 import time
 
+import bpy  # first: it finds the others
 import addon_utils
-import bpy
 import numpy as np
 
 OUT = sys.argv[sys.argv.index("--") + 1]
@@ -40,6 +40,14 @@ def glass(index):
     return material
 
 
+def dark_world():
+    world = bpy.data.worlds.new("dark")
+    world.color = (0, 0, 0)
+    if world.node_tree:  # always, since Blender 5.0
+        world.node_tree.nodes.clear()
+    return world
+
+
 def build_scene():
     """A glass ball in a box of thin fog, under a sun that stands a little to the side."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -59,9 +67,7 @@ def build_scene():
     camera.data.lens = 80
     scene.camera = camera
     scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
-    world = bpy.data.worlds.new("dark")
-    world.color = (0, 0, 0)
-    scene.world = world
+    scene.world = dark_world()
     settings = scene.volcaustic
     settings.domain, settings.resolution, settings.photons = box, 96, 256
     settings.fog_scattering, settings.fog_absorption = 0.12, 0.03
@@ -121,6 +127,8 @@ def render_with_cycles(path):
     scene.cycles.samples = 16
     scene.cycles.use_denoising = False
     scene.cycles.volume_step_rate = 0.5
+    if hasattr(scene.cycles, "volume_biased"):  # since Blender 5.0: march instead of sampling with noise
+        scene.cycles.volume_biased = True
     scene.view_settings.view_transform = "Raw"
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
@@ -211,8 +219,7 @@ def test_point_lights_are_as_bright_as_in_cycles():
     scene.camera = add(bpy.data.cameras.new("camera"), (0, 0, 1), (0, 0, 0))
     scene.camera.data.lens = 500
     scene.render.resolution_x = scene.render.resolution_y = 8
-    scene.world = bpy.data.worlds.new("dark")
-    scene.world.color = (0, 0, 0)
+    scene.world = dark_world()
     for kind, place, expected in (("POINT", 2, None), ("SPOT", 2, None), ("SUN", 2, None)):
         light = bpy.data.lights.new(kind, kind)
         light.energy = 5 if kind == "SUN" else 100
@@ -335,6 +342,7 @@ def test_the_world_is_where_cycles_has_it():
     pixels = np.full((32, 64, 4), 0.1, np.float32)
     pixels[18:20, 40:42, :3] = (5, 3, 1)  # rows from below
     picture_file = bpy.data.images.new("sky", 64, 32, float_buffer=True)
+    picture_file.colorspace_settings.is_data = True  # numbers as they are
     picture_file.pixels = pixels.ravel()
     picture_file.filepath_raw, picture_file.file_format = os.path.join(OUT, "sky.exr"), "OPEN_EXR"
     picture_file.save()

@@ -2,8 +2,8 @@
 import os
 import traceback
 
+import bpy  # first: it finds the others
 import addon_utils
-import bpy
 
 addon_utils.enable("volcaustic_blender", default_set=True)
 from volcaustic_blender import job, operators  # noqa: E402

@@ -67,7 +67,7 @@ def ply_bytes(evaluated, matrix_world):
         evaluated.to_mesh_clear()
     if not len(triangles):
         return None
-    matrix = np.array(matrix_world)
+    matrix = np.array(matrix_world, float)
     world = positions.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     corners = triangles.reshape(-1, 3)
     if np.linalg.det(matrix[:3, :3]) < 0:
@@ -109,7 +109,7 @@ def camera_values(scene, depsgraph):
         return None
     matrix = camera.matrix_world
     projection = camera.calc_matrix_camera(depsgraph, x=width, y=height)
-    position = np.array(matrix.translation)
+    position = np.array(matrix.translation, float)
     return {"position": list(position), "target": list(position - np.array([matrix[r][2] for r in range(3)])),
             "up": [matrix[r][1] for r in range(3)], "fieldOfView": math.degrees(2 * math.atan(1 / projection[1][1])),
             "resolution": [width, height]}
@@ -153,7 +153,7 @@ def background_values(scene, folder):
 
 def domain_bounds(obj, depsgraph):
     evaluated = obj.evaluated_get(depsgraph)
-    corners = np.array([evaluated.matrix_world @ type(evaluated.location)(corner) for corner in evaluated.bound_box])
+    corners = np.array([evaluated.matrix_world @ type(evaluated.location)(corner) for corner in evaluated.bound_box], float)
     low, high = corners.min(axis=0), corners.max(axis=0)
     if not np.all(high > low):
         raise Refused(f"{obj.name}: the domain is flat; choose a box")
