@@ -21,12 +21,12 @@ constexpr float kFarLamp = 64, kThinBrick = 0.5f;
 constexpr float kLongestChord = 13.9f; ///< of a brick, in voxels
 constexpr std::int64_t kGrain = 4096;  ///< bricks that are looked at together
 
-/// Whether a spot's light falls off in a brick that is far away.
+/// Whether a spot's light falls off in a brick that is far away, or an area light's plane goes through it.
 bool crossesEdge(const kernels::Cone& cone, const kernels::Float3& way, float distance) {
   if (cone.isSphere()) return false;
   const float ramp = dot(cone.axis, way) / distance * cone.scale + cone.offset,
               around = 0.5f * kLongestChord / distance * cone.scale;
-  return ramp + around > 0 && ramp - around < 1;
+  return ramp + around > 0 && ramp - around < (cone.flat ? 0 : 1);
 }
 
 CornerVoxels cornerVoxels(const Int3& last) {

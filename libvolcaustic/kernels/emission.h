@@ -46,11 +46,13 @@ struct RasterPoint {
 };
 
 /// How the intensity of a spot falls off around its axis: smoothly from all of it inside the inner angle to nothing
-/// beyond the outer one, the square of a ramp in the cosine (as in glTF's KHR_lights_punctual).
+/// beyond the outer one, the square of a ramp in the cosine (as in glTF's KHR_lights_punctual). Or that of a piece of a
+/// flat lamp, whose ramp is the cosine itself.
 struct Cone {
   Float3 axis{0, 0, 1}; ///< unit
   float scale = 0;      ///< 1 / (cos inner - cos outer)
   float offset = 1;     ///< -cos outer * scale
+  bool flat = false;    ///< the ramp, not its square
 
   /// Whether there is no falloff: a light that shines alike in all directions.
   [[nodiscard]] VOLCAUSTIC_HD bool isSphere() const { return scale == 0; }
@@ -59,7 +61,7 @@ struct Cone {
   [[nodiscard]] VOLCAUSTIC_HD F share(const Vec3<F>& d) const {
     const F cosine = d.x * F(axis.x) + d.y * F(axis.y) + d.z * F(axis.z);
     const F ramp = clampTo(cosine * F(scale) + F(offset), F(0), F(1));
-    return ramp * ramp;
+    return flat ? ramp : ramp * ramp;
   }
 };
 

@@ -91,8 +91,11 @@ std::vector<EmissionFrame> parallelFrames(const Light& light, int number, const 
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
+/// Whether it shines around an axis: a spot, or a piece of an area light (soft_lights.h).
+bool hasAxis(const Light& light) { return light.type == LightType::Spot || light.type == LightType::Area; }
+
 void checkCone(const Light& light, int number) {
-  if (light.type != LightType::Spot) return;
+  if (!hasAxis(light)) return;
   if (!allFinite(light.direction) || !(length(toDouble3(light.direction)) > 0))
     refuseLight(light, number, "direction must be finite and not zero");
   if (!(light.outerAngle > 0 && light.outerAngle <= 90))
@@ -103,7 +106,7 @@ void checkCone(const Light& light, int number) {
 
 /// The bounds where a cone's rectangle around it on the tangent plane lies inside them; empty where nothing does.
 Bounds2 clippedToCone(Bounds2 bounds, const EmissionFrame& f, const Light& light) {
-  if (light.type != LightType::Spot) return bounds;
+  if (!hasAxis(light)) return bounds;
   const Double3 axis = normalize(toDouble3(light.direction));
   const double sine = std::sin(light.outerAngle * kDegree), along = dot(axis, f.axisW);
   // Planes through the light that touch the cone: (across - k along)^2 = (1 + k^2) sine^2, where all of it is in front.
@@ -121,8 +124,7 @@ Bounds2 clippedToCone(Bounds2 bounds, const EmissionFrame& f, const Light& light
 
 /// Whether all of a cone is behind a light's tangent plane.
 bool isBehind(const EmissionFrame& f, const Light& light) {
-  return light.type == LightType::Spot &&
-         dot(normalize(toDouble3(light.direction)), f.axisW) < -std::sin(light.outerAngle * kDegree);
+  return hasAxis(light) && dot(normalize(toDouble3(light.direction)), f.axisW) < -std::sin(light.outerAngle * kDegree);
 }
 
 EmissionFrame pointFrame(const Double3& position, const Double3& w, const Light& light) {
@@ -187,11 +189,11 @@ void refuseLight(const Light& light, int number, const std::string& what) {
 }
 
 kernels::Cone coneOf(const Light& light) {
-  if (light.type != LightType::Spot) return {};
+  if (!hasAxis(light)) return {};
   const double inner = std::cos(light.innerAngle * kDegree), outer = std::cos(light.outerAngle * kDegree);
   const double scale = 1 / std::max(inner - outer, 1e-6); // an edge that single precision still resolves
   return {kernels::Float3(normalize(toDouble3(light.direction))), static_cast<float>(scale),
-          static_cast<float>(-outer * scale)};
+          static_cast<float>(-outer * scale), light.type == LightType::Area};
 }
 
 std::vector<EmissionFrame> emissionFrames(const Light& light, int number, const Domain& domain,

@@ -12,6 +12,7 @@ namespace volcaustic {
 namespace {
 
 using kernels::cross;
+using kernels::dot;
 using kernels::Double3;
 using kernels::normalize;
 
@@ -59,6 +60,35 @@ Vec3d placeOf(const Light& light, int i) {
           light.position[2] + r * z};
 }
 
+/// Part `i` of `count` points of an area light, evenly: of its ellipse a sunflower, of its rectangle the additive
+/// recurrence of Roberts (2018) in two dimensions.
+Vec3d placeOnArea(const Light& light, int i, int count) {
+  constexpr double kRatio = 1.3247179572447460; // x^3 = x + 1
+  double x, y;                                  // of half a side
+  if (light.round) {
+    const double r = std::sqrt((i + 0.5) / count), phi = i * kPi * (3 - std::sqrt(5.0));
+    x = r * std::cos(phi), y = r * std::sin(phi);
+  } else {
+    const auto place = [i](double step) {
+      const double t = 0.5 + i * step;
+      return 2 * (t - std::floor(t)) - 1;
+    };
+    x = place(1 / kRatio), y = place(1 / (kRatio * kRatio));
+  }
+  const Double3 axis = normalize(toDouble3(light.direction)), along = toDouble3(light.across);
+  const Double3 u = normalize(along - axis * dot(along, axis)), v = cross(axis, u);
+  return toVec3d(toDouble3(light.position) + u * (0.5 * light.width * x) + v * (0.5 * light.height * y));
+}
+
+void checkArea(const Light& light, int number) {
+  if (!(light.width >= 0 && light.height >= 0 && std::isfinite(light.width) && std::isfinite(light.height)))
+    refuseLight(light, number, "width and height must be finite and not negative");
+  const Double3 axis = toDouble3(light.direction), along = toDouble3(light.across), normal = cross(axis, along);
+  const double most = std::sqrt(dot(axis, axis) * dot(along, along));
+  if (!(std::isfinite(most) && std::sqrt(dot(normal, normal)) > 1e-6 * most))
+    refuseLight(light, number, "direction and across must be finite, not zero, and not on one line");
+}
+
 void check(const Light& light, int number) {
   if (!(light.angle >= 0 && light.angle <= 90)) refuseLight(light, number, "angle must be in 0 to 90 degrees");
   if (!(light.radius >= 0) || !std::isfinite(light.radius))
@@ -67,6 +97,7 @@ void check(const Light& light, int number) {
     refuseLight(light, number, "samples must be in 0 to " + std::to_string(kMostLightSamples));
   if (!(light.scale[0] >= 0 && light.scale[1] >= 0 && light.scale[2] >= 0))
     refuseLight(light, number, "scale must not be negative");
+  if (light.type == LightType::Area) checkArea(light, number);
 }
 
 constexpr int kUsualSamples = 16, kUsualEnvironmentSamples = 64;
@@ -102,7 +133,8 @@ std::vector<LightPart> partsOf(std::span<const Light> lights, const RunContext& 
       addEnvironment(light, n, ctx, parts);
       continue;
     }
-    const bool sky = light.type == LightType::Directional, soft = sky ? light.angle > 0 : light.radius > 0;
+    const bool sky = light.type == LightType::Directional, area = light.type == LightType::Area;
+    const bool soft = sky ? light.angle > 0 : area ? light.width > 0 || light.height > 0 : light.radius > 0;
     const int count = !soft ? 1 : light.samples > 0 ? light.samples : kUsualSamples;
     for (int i = 0; i < count; ++i) {
       LightPart part{light, n, i, 1.0 / count};
@@ -110,7 +142,8 @@ std::vector<LightPart> partsOf(std::span<const Light> lights, const RunContext& 
       for (double& c : part.light.irradiance) c /= count;
       for (double& c : part.light.intensity) c /= count;
       if (soft && sky) part.light.direction = directionOf(light, i, count);
-      if (soft && !sky) part.light.position = placeOf(light, i);
+      if (soft && !sky) part.light.position = area ? placeOnArea(light, i, count) : placeOf(light, i);
+      if (area) part.light.innerAngle = 0, part.light.outerAngle = 90;
       parts.push_back(std::move(part));
     }
   }

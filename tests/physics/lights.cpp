@@ -149,11 +149,12 @@ TEST(SoftLight, ABallThrowsThePenumbraOfADisc) {
 }
 
 TEST(SoftLight, SharesItsPhotonsAndKeepsItsPower) {
-  for (Light light : {sun({.1, .2, -1}), lamp({.4, .5, .6}), spot({.5, .5, 2}, {0, 0, -1}, 8, 12)}) {
+  for (Light light : {sun({.1, .2, -1}), lamp({.4, .5, .6}), spot({.5, .5, 2}, {0, 0, -1}, 8, 12),
+                      areaLight({.5, .5, .9}, {0, 0, -1}, 0, 0)}) {
     const std::vector<Body> ball{glassBall({.5, .5, .4}, .2, 1.5)};
     const auto sharp = trace(ball, {}, 32, light);
     light.angle = 2;
-    light.radius = .03;
+    light.radius = light.width = light.height = .03;
     const auto soft = trace(ball, {}, 32, light);
     EXPECT_LT(soft.balance.relativeImbalance(), 1e-6);
     EXPECT_NEAR(double(soft.balance.photonsEmitted) / double(sharp.balance.photonsEmitted), 1, .05);
@@ -189,6 +190,72 @@ TEST(SoftLight, PartsOfABallLookLikeAnEvenDiscFromEverywhere) {
   EXPECT_NEAR(power, 2, 1e-12);
 }
 
+/// Solid angle of a rectangle around the origin of the plane z = 0, from a point above or below it: of its quarters.
+double rectangleSeenFrom(const Vec3d& p, double width, double height) {
+  const auto quarter = [&](double x, double y) {
+    return std::atan(x * y / (std::abs(p[2]) * std::sqrt(x * x + y * y + p[2] * p[2])));
+  };
+  const double x0 = -.5 * width - p[0], x1 = .5 * width - p[0], y0 = -.5 * height - p[1], y1 = .5 * height - p[1];
+  return quarter(x1, y1) - quarter(x0, y1) - quarter(x1, y0) + quarter(x0, y0);
+}
+
+// Radiance is the same from everywhere, so the fluence is that times the solid angle, and nothing goes back.
+TEST(AreaLight, FillsSpaceWithItsRadianceTimesItsSolidAngle) {
+  constexpr int kEdge = 32;
+  Light light = areaLight({.5, .5, .75}, {0, 0, -3}, .6, .3, {2, 2, 2});
+  light.across = {2, 2, 1}; // its part along the direction is left out
+  light.samples = 512;
+  for (const bool round : {false, true}) {
+    light.round = round;
+    const auto result = trace({}, {}, kEdge, light, {}, {}, 2048);
+    const double area = light.width * light.height * (round ? kPi / 4 : 1), radiance = 2 / area;
+    int seen = 0;
+    forVoxels(result.radiance, [&](const Vec3i& v) {
+      const double x = (v[0] + .5) / kEdge - .5, y = (v[1] + .5) / kEdge - .5, z = (v[2] + .5) / kEdge - .75;
+      const double found = result.radiance.fluence(v)[1];
+      if (z > 0) {
+        ASSERT_EQ(found, 0) << v[0] << ' ' << v[1] << ' ' << v[2];
+        return;
+      }
+      if (z > -.15) return; // the points that stand for it can be told apart
+      const double u = (x + y) / std::sqrt(2.), w = (y - x) / std::sqrt(2.);
+      double angle = rectangleSeenFrom({u, w, z}, light.width, light.height);
+      if (round) { // by rows of rectangles
+        angle = 0;
+        constexpr int kRows = 64;
+        for (int i = 0; i < kRows; ++i) {
+          const double row = (i + .5) / kRows * 2 - 1;
+          angle += rectangleSeenFrom({u, w - .5 * row * light.height, z}, light.width * std::sqrt(1 - row * row),
+                                     light.height / kRows);
+        }
+      }
+      ASSERT_NEAR(found, radiance * angle, .02 * radiance * angle + .01) << v[0] << ' ' << v[1] << ' ' << v[2];
+      ++seen;
+    });
+    EXPECT_GT(seen, 10000);
+    // Half the sphere, by the cosine. All of it goes into the box.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.balance.emitted[c], 2 * kPi, 1e-3 * 2 * kPi);
+    EXPECT_LT(result.balance.relativeImbalance(), 1e-6);
+  }
+}
+
+TEST(AreaLight, ThrowsThePenumbraOfItsWidth) {
+  Light light = areaLight({.5, .5, 1.75}, {0, 0, -1}, .3, 0, {1, 1, 1});
+  light.samples = 256;
+  const auto result = trace({sheet()}, {}, kVoxels, light, {}, {}, 2048);
+  int half = 0;
+  forVoxels(result.radiance, [&](const Vec3i& v) {
+    const double x = (v[0] + .5) / kVoxels - .5, y = (v[1] + .5) / kVoxels - .5, z = (v[2] + .5) / kVoxels;
+    if (z > kSheet - .3 || std::abs(x) > .1 || std::abs(y) > .1) return;
+    const double down = 1.75 - z, edge = x - x * down / (kSheet - z); // where the line over the sheet's edge meets it
+    const double shadow = std::clamp(.5 - edge / light.width, 0., 1.), r2 = down * down + x * x + y * y;
+    ASSERT_NEAR(result.radiance.fluence(v)[0] * r2 * std::sqrt(r2) / down, shadow, .06)
+        << v[0] << ' ' << v[1] << ' ' << v[2];
+    half += shadow > .2 && shadow < .8;
+  });
+  EXPECT_GT(half, 1000);
+}
+
 TEST(SoftLight, WhatMakesNoSenseIsNamed) {
   const auto messageOf = [](const Light& light) {
     try {
@@ -208,6 +275,12 @@ TEST(SoftLight, WhatMakesNoSenseIsNamed) {
   light.samples = 1;
   light.angle = 100;
   EXPECT_EQ(messageOf(light), "lights[0] (key): angle must be in 0 to 90 degrees");
+  light = areaLight({0, 0, 2}, {1, 0, 0}, 1, 1);
+  EXPECT_EQ(messageOf(light), "lights[0]: direction and across must be finite, not zero, and not on one line");
+  light.across = {0, 1, 0};
+  EXPECT_EQ(messageOf(light), "");
+  light.height = -1;
+  EXPECT_EQ(messageOf(light), "lights[0]: width and height must be finite and not negative");
 }
 
 } // namespace

@@ -120,11 +120,11 @@ def picture(path):
     return pixels
 
 
-def render_with_cycles(path):
+def render_with_cycles(path, samples=16):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
-    scene.cycles.samples = 16
+    scene.cycles.samples = samples
     scene.cycles.use_denoising = False
     scene.cycles.volume_step_rate = 0.5
     if hasattr(scene.cycles, "volume_biased"):  # since Blender 5.0: march instead of sampling with noise
@@ -201,8 +201,24 @@ def test_an_animation(sun):
     scene.frame_end = 4
 
 
-def test_point_lights_are_as_bright_as_in_cycles():
-    """The irradiance of a point light in both: Cycles' on a white sheet, and the add-on's intensity over the distance^2."""
+def irradiance_at_the_origin(values):
+    """Of a light above it, on a horizontal plane: Lambert's law over an area light's rectangle or ellipse."""
+    if values["type"] == "directional":
+        return values["irradiance"][0]
+    if values["type"] != "area":
+        return values["intensity"][0] / np.dot(values["position"], values["position"])
+    side = (np.arange(200) + 0.5) / 200 - 0.5
+    x, y = (grid.ravel() for grid in np.meshgrid(side, side))
+    inside = x ** 2 + y ** 2 < 0.25 if values["round"] else np.ones(len(x), bool)
+    axis, u = (np.array(values[name]) / np.linalg.norm(values[name]) for name in ("direction", "across"))
+    places = (np.array(values["position"]) + np.outer(x[inside] * values["width"], u)
+              + np.outer(y[inside] * values["height"], np.cross(axis, u)))
+    squared = (places ** 2).sum(axis=1)
+    return values["intensity"][0] * (np.maximum(-places @ axis, 0) * places[:, 2] / squared ** 2).mean()
+
+
+def test_lights_are_as_bright_as_in_cycles():
+    """On a white sheet in Cycles, and computed from what the add-on says of a light."""
     from volcaustic_blender.export import light_values
     bpy.ops.wm.read_factory_settings(use_empty=True)
     addon_utils.enable(ADDON, default_set=True)
@@ -220,19 +236,22 @@ def test_point_lights_are_as_bright_as_in_cycles():
     scene.camera.data.lens = 500
     scene.render.resolution_x = scene.render.resolution_y = 8
     scene.world = dark_world()
-    for kind, place, expected in (("POINT", 2, None), ("SPOT", 2, None), ("SUN", 2, None)):
+    for kind, shape in (("POINT", ""), ("SPOT", ""), ("SUN", ""), ("AREA", "SQUARE"), ("AREA", "RECTANGLE"), ("AREA", "DISK"),
+                        ("AREA", "ELLIPSE")):
         light = bpy.data.lights.new(kind, kind)
         light.energy = 5 if kind == "SUN" else 100
-        if kind != "SUN":
+        obj = add(light, (0, 0, 2))
+        if kind == "AREA":
+            light.shape, light.size, light.size_y = shape, 1.2, 0.5
+            obj.location, obj.rotation_euler, obj.scale = (0.7, -0.4, 2), (0.5, 0.3, 0.9), (2, 1, 1)
+        elif kind != "SUN":
             light.shadow_soft_size = 0
-        obj = add(light, (0, 0, place))
         bpy.context.view_layer.update()
-        values = light_values(obj.name, obj.data, obj.matrix_world)
-        ours = values["irradiance"][0] if kind == "SUN" else values["intensity"][0] / place ** 2
-        path = os.path.join(OUT, f"{kind}.exr")
-        render_with_cycles(path)
-        theirs = picture(path)[4, 4, 0] * math.pi
-        print(f"{kind}: irradiance {ours:.4f}, in Cycles {theirs:.4f} W/m2")
+        ours = irradiance_at_the_origin(light_values(obj.name, obj.data, obj.matrix_world))
+        path = os.path.join(OUT, f"{kind}{shape}.exr")
+        render_with_cycles(path, samples=1024 if kind == "AREA" else 16)
+        theirs = picture(path)[2:6, 2:6, 0].mean() * math.pi
+        print(f"{kind} {shape}: irradiance {ours:.4f}, in Cycles {theirs:.4f} W/m2")
         assert abs(theirs / ours - 1) < 0.01, (kind, ours, theirs)
         bpy.data.objects.remove(obj)
 
@@ -439,7 +458,7 @@ test_a_frame()
 test_cycles_shows_what_volcaustic_sees(BALL)
 test_an_animation(SUN)
 test_faults_are_sentences(BALL, SUN)
-test_point_lights_are_as_bright_as_in_cycles()
+test_lights_are_as_bright_as_in_cycles()
 test_what_is_rendered_is_exported()
 test_the_world_is_where_cycles_has_it()
 test_a_bake_can_be_cancelled()

@@ -27,5 +27,14 @@ inline Light spot(const Vec3d& position, const Vec3d& axis, double inner, double
   light.outerAngle = outer;
   return light;
 }
+inline Light areaLight(const Vec3d& position, const Vec3d& direction, double width, double height,
+                       const Rgb& intensity = {100, 50, 200}) {
+  Light light = lamp(position, intensity);
+  light.type = LightType::Area;
+  light.direction = direction;
+  light.width = width;
+  light.height = height;
+  return light;
+}
 
 } // namespace volcaustic::test

@@ -57,7 +57,9 @@ constexpr std::array<const char*, 6> enumNames(HostPreset) {
 }
 constexpr std::array<const char*, 2> enumNames(UpAxis) { return {"y", "z"}; }
 constexpr std::array<const char*, 2> enumNames(ToneCurve) { return {"plain", "aces"}; }
-constexpr std::array<const char*, 4> enumNames(LightType) { return {"directional", "point", "spot", "environment"}; }
+constexpr std::array<const char*, 5> enumNames(LightType) {
+  return {"directional", "point", "spot", "environment", "area"};
+}
 
 inline constexpr std::array<int, 4> kSupersampleChoices{1, 2, 4, 8};
 inline constexpr std::array<int, 6> kBlurChoices{1, 3, 5, 7, 9, 11};
@@ -108,13 +110,17 @@ template <class Visitor>
 void describe(Visitor&& visit, Light& l) {
   visit("name", l.name, FieldDoc{"for messages, and of its layers and grids where lights are separate"});
   visit("type", l.type,
-        FieldDoc{"directional light, point light, a spot: a point light that shines into a cone, or the environment: "
-                 "`background` from all directions"});
+        FieldDoc{"directional light, point light, a spot: a point light that shines into a cone, the environment: "
+                 "`background` from all directions, or an area light: a flat lamp that shines from its front"});
   visit("direction", l.direction,
-        FieldDoc{"propagation of a directional light, axis of a spot; any length", "1", -kHuge, kHuge});
+        FieldDoc{"propagation of a directional light, axis of a spot, where an area light faces; any length", "1",
+                 -kHuge, kHuge});
   visit("irradiance", l.irradiance, FieldDoc{"of a directional light, on a plane facing it, RGB", "W/m2", 0, 1e30});
-  visit("position", l.position, FieldDoc{"of a point light or a spot", "world", -1e12, 1e12});
-  visit("intensity", l.intensity, FieldDoc{"of a point light, or of a spot on its axis, RGB", "W/sr", 0, 1e30});
+  visit("position", l.position,
+        FieldDoc{"of a point light or a spot, the middle of an area light", "world", -1e12, 1e12});
+  visit("intensity", l.intensity,
+        FieldDoc{"of a point light; on its axis of a spot, and of an area light (its power by pi), RGB", "W/sr", 0,
+                 1e30});
   visit("outerAngle", l.outerAngle, FieldDoc{"half the opening angle of a spot's cone", "degrees", 0.01, 90});
   visit("innerAngle", l.innerAngle,
         FieldDoc{"angle from its axis within which a spot has its whole intensity; at most outerAngle", "degrees", 0,
@@ -124,11 +130,18 @@ void describe(Visitor&& visit, Light& l) {
                  0, 90});
   visit("radius", l.radius,
         FieldDoc{"of the ball that a point light or a spot is; 0 gives sharp shadows", "world", 0, kHuge});
+  visit("width", l.width, FieldDoc{"of an area light", "world", 0, kHuge});
+  visit("height", l.height, FieldDoc{"of an area light", "world", 0, kHuge});
+  visit("across", l.across,
+        FieldDoc{"where the width of an area light goes; any length, what is along `direction` is left out", "1",
+                 -kHuge, kHuge});
+  visit("round", l.round, FieldDoc{"an area light is the ellipse in its rectangle"});
   visit("scale", l.scale, FieldDoc{"multiplies the light of the environment, RGB", "1", 0, 1e30});
-  visit("samples", l.samples,
-        FieldDoc{"sharp lights that stand for one with an angle or a radius, or for the environment; they share its "
-                 "photons; 0 takes 16, of the environment 64",
-                 "lights", 0, kMostLightSamples});
+  visit(
+      "samples", l.samples,
+      FieldDoc{"sharp lights that stand for one with an angle, a radius or an area, or for the environment; they share "
+               "its photons; 0 takes 16, of the environment 64",
+               "lights", 0, kMostLightSamples});
 }
 
 template <class Visitor>

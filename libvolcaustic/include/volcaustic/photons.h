@@ -22,25 +22,32 @@ enum class LightType {
   Directional, ///< parallel light of a given irradiance
   Point,       ///< equal intensity in all directions
   Spot,        ///< a point light that shines into a cone
-  Environment  ///< what is around the domain, from all directions
+  Environment, ///< what is around the domain, from all directions
+  Area         ///< a flat lamp that shines from its front, evenly bright from everywhere (Lambert's law)
 };
 
 struct Light {
   std::string name;
   LightType type = LightType::Directional;
-  Vec3d direction{0, 0, -1}; ///< world space, any length: propagation of directional light, axis of a spot
-  Rgb irradiance{1, 1, 1};   ///< W/m2 on a plane that faces the light; directional lights
-  Vec3d position{0, 0, 2};   ///< world space; point lights and spots
-  Rgb intensity{1, 1, 1};    ///< W/sr; point lights, and spots on their axis
-  double outerAngle = 30;    ///< half the opening angle of a spot's cone, degrees, above 0 and at most 90
-  double innerAngle = 20;    ///< within this angle of the axis a spot has its whole intensity; at most the outer one
+  /// World space, any length: propagation of directional light, axis of a spot, where an area light faces.
+  Vec3d direction{0, 0, -1};
+  Rgb irradiance{1, 1, 1}; ///< W/m2 on a plane that faces the light; directional lights
+  Vec3d position{0, 0, 2}; ///< world space; point lights and spots, the middle of an area light
+  Rgb intensity{1, 1, 1};  ///< W/sr; point lights, on their axis spots and area lights (radiance times area)
+  double outerAngle = 30;  ///< half the opening angle of a spot's cone, degrees, above 0 and at most 90
+  double innerAngle = 20;  ///< within this angle of the axis a spot has its whole intensity; at most the outer one
   /// Angular diameter of a directional light's disc in the sky, degrees (the sun's is 0.53); 0 gives sharp shadows.
   double angle = 0;
   /// Of the ball that a point light or spot is, world; it looks evenly bright from everywhere. 0 gives sharp shadows.
   double radius = 0;
+  double width = 1, height = 1; ///< of an area light, world
+  Vec3d across{
+      1, 0,
+      0}; ///< of an area light: where its width goes, world space, any length; what is along `direction` is left out
+  bool round = false; ///< an area light is an ellipse in its rectangle
   Rgb scale{1, 1, 1}; ///< multiplies the light of the environment
-  /// Sharp lights that stand for an environment, or for a light with an angle or a radius; they share its photons. 0
-  /// takes 64 for an environment, 16 for others.
+  /// Sharp lights that stand for an environment, an area light, or a light with an angle or a radius; they share its
+  /// photons. 0 takes 64 for an environment, 16 for others.
   int samples = 0;
   /// What an environment shines with, visible or not; its map must be read already (readEnvironment). A Session sets it
   /// to the scene's background.

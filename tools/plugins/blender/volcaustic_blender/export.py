@@ -81,8 +81,8 @@ def ply_bytes(evaluated, matrix_world):
 
 
 def light_values(name, light, matrix):
-    """A light of volcaustic, or None for a type that it does not have. Sun: W/m2. Point and spot: a power of P watts is an
-    intensity of P/(4 pi) W/sr, in the cone of a spot, too."""
+    """A light of volcaustic. Sun: W/m2. Point and spot: a power of P watts is an intensity of P/(4 pi) W/sr, in the cone
+    of a spot, too. Area: P/pi on its axis."""
     color = np.array(light.color, float) * light.energy
     values = {"name": name}
     if light.type == "SUN":
@@ -91,7 +91,11 @@ def light_values(name, light, matrix):
         values.update(type=light.type.lower(), position=list(matrix.translation), intensity=list(color / (4 * math.pi)),
                       radius=light.shadow_soft_size)
     else:
-        return None
+        sides = [math.hypot(*(matrix[row][column] for row in range(3))) for column in (0, 1)]
+        values.update(type="area", position=list(matrix.translation), intensity=list(color / math.pi),
+                      width=light.size * sides[0], across=[matrix[row][0] for row in range(3)],
+                      height=(light.size if light.shape in {"SQUARE", "DISK"} else light.size_y) * sides[1],
+                      round=light.shape in {"DISK", "ELLIPSE"})
     if light.type == "SPOT":
         outer = light.spot_size / 2
         inner = math.acos(min(1.0, math.cos(outer) + (1 - math.cos(outer)) * light.spot_blend))
@@ -184,11 +188,9 @@ class Exporter:
                 bodies.append(name)
                 self.add_mesh(name, obj, ply_bytes(evaluated, matrix), frame, first)
             elif obj.type == "LIGHT":
-                values = light_values(name, evaluated.data, matrix)
-                if values:
-                    lights.append(values)
-                elif first:
-                    self.warnings.append(f"{name}: {evaluated.data.type.lower()} lights are left out; use a sun, point or spot")
+                lights.append(light_values(name, evaluated.data, matrix))
+                if first and evaluated.data.type == "AREA" and evaluated.data.spread < math.pi - 1e-3:
+                    self.warnings.append(f"{name}: its spread is taken as 180 degrees")
         if first:
             self.warnings += [f"{name}: has no faces; left out" for name in bodies
                               if name not in self.meshes and not any(m.startswith(name + "/") for m in self.meshes)]
@@ -262,7 +264,7 @@ class Exporter:
         if not self.json["objects"]:
             raise Refused("nothing bends light: give an object a glass material, or make it a Body in its properties")
         if not self.json["lights"]:
-            raise Refused("there is no light that can be traced; add a sun, point or spot, or turn World Light on")
+            raise Refused("there is no light that can be traced; add a lamp, or turn World Light on")
         for entry in self.json["objects"] + self.json["receivers"]:
             if len(self.meshes[entry["mesh"]]) < len(frames):
                 raise Refused(f"{entry['mesh']}: vanishes in the midst of the animation; give it faces in every frame")

@@ -149,24 +149,26 @@ class Light:
     """A source of photons."""
 
     def __init__(
-        self, *, name: str = ..., type: Literal["directional", "point", "spot", "environment"] = ...,
+        self, *, name: str = ..., type: Literal["directional", "point", "spot", "environment", "area"] = ...,
         direction: Vector = ..., irradiance: Vector = ..., position: Vector = ..., intensity: Vector = ...,
         outer_angle: float = ..., inner_angle: float = ..., angle: float = ..., radius: float = ...,
-        scale: Vector = ..., samples: int = ...,
+        width: float = ..., height: float = ..., across: Vector = ..., round: bool = ..., scale: Vector = ...,
+        samples: int = ...,
     ) -> None: ...
     name: str
     """for messages, and of its layers and grids where lights are separate"""
-    type: Literal["directional", "point", "spot", "environment"]
-    """directional light, point light, a spot: a point light that shines into a cone, or the environment:
-    `background` from all directions; 'directional', 'point', 'spot', 'environment'"""
+    type: Literal["directional", "point", "spot", "environment", "area"]
+    """directional light, point light, a spot: a point light that shines into a cone, the environment: `background`
+    from all directions, or an area light: a flat lamp that shines from its front; 'directional', 'point', 'spot',
+    'environment', 'area'"""
     direction: tuple[float, float, float]
-    """propagation of a directional light, axis of a spot; any length; -1e+09 to 1e+09"""
+    """propagation of a directional light, axis of a spot, where an area light faces; any length; -1e+09 to 1e+09"""
     irradiance: tuple[float, float, float]
     """of a directional light, on a plane facing it, RGB [W/m2]; 0 to 1e+30"""
     position: tuple[float, float, float]
-    """of a point light or a spot [world]; -1e+12 to 1e+12"""
+    """of a point light or a spot, the middle of an area light [world]; -1e+12 to 1e+12"""
     intensity: tuple[float, float, float]
-    """of a point light, or of a spot on its axis, RGB [W/sr]; 0 to 1e+30"""
+    """of a point light; on its axis of a spot, and of an area light (its power by pi), RGB [W/sr]; 0 to 1e+30"""
     outer_angle: float
     """half the opening angle of a spot's cone [degrees]; 0.01 to 90"""
     inner_angle: float
@@ -175,16 +177,25 @@ class Light:
     """angular diameter of a directional light's disc (the sun's is 0.53); 0 gives sharp shadows [degrees]; 0 to 90"""
     radius: float
     """of the ball that a point light or a spot is; 0 gives sharp shadows [world]; 0 to 1e+09"""
+    width: float
+    """of an area light [world]; 0 to 1e+09"""
+    height: float
+    """of an area light [world]; 0 to 1e+09"""
+    across: tuple[float, float, float]
+    """where the width of an area light goes; any length, what is along `direction` is left out; -1e+09 to 1e+09"""
+    round: bool
+    """an area light is the ellipse in its rectangle"""
     scale: tuple[float, float, float]
     """multiplies the light of the environment, RGB; 0 to 1e+30"""
     samples: int
-    """sharp lights that stand for one with an angle or a radius, or for the environment; they share its photons; 0
-    takes 16, of the environment 64 [lights]; 0 to 1024"""
+    """sharp lights that stand for one with an angle, a radius or an area, or for the environment; they share its
+    photons; 0 takes 16, of the environment 64 [lights]; 0 to 1024"""
     def replace(
-        self, *, name: str = ..., type: Literal["directional", "point", "spot", "environment"] = ...,
+        self, *, name: str = ..., type: Literal["directional", "point", "spot", "environment", "area"] = ...,
         direction: Vector = ..., irradiance: Vector = ..., position: Vector = ..., intensity: Vector = ...,
         outer_angle: float = ..., inner_angle: float = ..., angle: float = ..., radius: float = ...,
-        scale: Vector = ..., samples: int = ...,
+        width: float = ..., height: float = ..., across: Vector = ..., round: bool = ..., scale: Vector = ...,
+        samples: int = ...,
     ) -> Light: ...
     def to_dict(self) -> dict[str, Any]: ...
     __hash__ = None  # type: ignore[assignment]
