@@ -82,7 +82,7 @@ def ply_bytes(evaluated, matrix_world):
 
 def light_values(name, light, matrix):
     """A light of volcaustic. Sun: W/m2. Point and spot: a power of P watts is an intensity of P/(4 pi) W/sr, in the cone
-    of a spot, too. Area: P/pi on its axis."""
+    of a spot, too. Area: P/pi on its axis, before Blender 4.0 P/4."""
     color = np.array(light.color, float) * light.energy
     values = {"name": name}
     if light.type == "SUN":
@@ -92,7 +92,7 @@ def light_values(name, light, matrix):
                       radius=light.shadow_soft_size)
     else:
         sides = [math.hypot(*(matrix[row][column] for row in range(3))) for column in (0, 1)]
-        values.update(type="area", position=list(matrix.translation), intensity=list(color / math.pi),
+        values.update(type="area", position=list(matrix.translation), intensity=list(color / (math.pi if bpy.app.version >= (4, 0, 0) else 4)),
                       width=light.size * sides[0], across=[matrix[row][0] for row in range(3)],
                       height=(light.size if light.shape in {"SQUARE", "DISK"} else light.size_y) * sides[1],
                       round=light.shape in {"DISK", "ELLIPSE"})
