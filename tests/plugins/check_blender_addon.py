@@ -103,6 +103,7 @@ def test_a_frame():
     light = scene["lights"][0]
     assert np.allclose(light["irradiance"], [3, 2.4, 1.5]) and light["type"] == "directional"
     assert np.allclose(light["direction"], [-math.sin(math.radians(15)), 0, -math.cos(math.radians(15))], atol=1e-6)
+    assert light["samples"] == 16 and len(scene["lights"]) == 1
     assert scene["materials"]["Ball / größte"]["index"] == 1.5 and scene["objects"][0]["priority"] == 3
     assert np.allclose(scene["volume"]["bounds"]["max"], [1, 0.8, 1.2])
     assert volume.data.render.clipping == 0 and not volume.data.is_sequence

@@ -188,7 +188,7 @@ class Exporter:
                 bodies.append(name)
                 self.add_mesh(name, obj, ply_bytes(evaluated, matrix), frame, first)
             elif obj.type == "LIGHT":
-                lights.append(light_values(name, evaluated.data, matrix))
+                lights.append({**light_values(name, evaluated.data, matrix), "samples": self.settings.light_samples})
                 if first and evaluated.data.type == "AREA" and evaluated.data.spread < math.pi - 1e-3:
                     self.warnings.append(f"{name}: its spread is taken as 180 degrees")
         if first:

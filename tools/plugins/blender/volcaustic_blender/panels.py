@@ -14,7 +14,7 @@ class VOLCAUSTIC_PT_world(bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.volcaustic
         layout.use_property_split = True
-        for name in ("domain", "resolution", "photons", "fog_scattering", "fog_absorption", "world_light"):
+        for name in ("domain", "resolution", "photons", "light_samples", "fog_scattering", "fog_absorption", "world_light"):
             layout.prop(settings, name)
         running = operators.current
         if running:

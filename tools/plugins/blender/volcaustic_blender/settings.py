@@ -46,6 +46,9 @@ class VolcausticScene(bpy.types.PropertyGroup):
         description="Scattering coefficient around the bodies, 1 per unit of length: caustics are seen in fog")
     fog_absorption: FloatProperty(name="Absorption", default=0, min=0, soft_max=1, max=1e6, options=set(),
                                   description="Absorption coefficient of the fog, 1 per unit of length")
+    light_samples: IntProperty(
+        name="Samples of Lamps", default=16, min=1, max=1024, options=set(),
+        description="Points that stand for a lamp with a size; where glass makes an image of one, few of them show")
     world_light: BoolProperty(
         name="World Light", options=set(),
         description="Trace the light of the world's color or map, too; it needs more photons than a lamp")
