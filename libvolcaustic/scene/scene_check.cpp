@@ -1,7 +1,6 @@
 #include "scene/scene_check.h"
 
 #include "core/nearest_word.h"
-#include "mesh/vector.h"
 #include "scene/json_document.h"
 #include "volcaustic/error.h"
 
@@ -12,6 +11,9 @@
 namespace volcaustic {
 
 namespace {
+
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3d difference(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 /// For a Material or the Ambient.
 template <class Optics>
@@ -143,8 +145,9 @@ void checkLights(const Scene& scene, const SceneSource& source) {
     const bool aims = area || light.type == LightType::Directional || light.type == LightType::Spot;
     if (aims && dot(light.direction, light.direction) == 0)
       source.fail(pointer + "/direction", "has no length; say where the light goes, as [0, 0, -1]");
-    const Vec3d normal = cross(light.direction, light.across);
-    if (area && dot(normal, normal) <= 1e-12 * dot(light.direction, light.direction) * dot(light.across, light.across))
+    const double along = dot(light.direction, light.across),
+                 most = dot(light.direction, light.direction) * dot(light.across, light.across);
+    if (area && along * along >= (1 - 1e-12) * most)
       source.fail(pointer + "/across", "is along direction, or has no length; say where the light's width goes");
     if (light.type == LightType::Spot && light.innerAngle > light.outerAngle)
       source.fail(pointer + "/innerAngle", "is above outerAngle; give an angle from 0 to that");

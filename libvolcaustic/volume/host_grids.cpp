@@ -11,14 +11,16 @@ namespace {
 struct Host {
   HostPreset preset;
   bool half;
-  std::string_view unused[3]; ///< kinds of grids
+  std::string_view unused[4]; ///< kinds of grids
 };
 
 // Unreal has four channels for each of two textures: emission and density fill the first. Houdini's volumes are worked
 // on further, so that nothing is taken from them. No shader of the others has a use for the mean direction.
 constexpr Host kHosts[] = {
-    {HostPreset::Blender, true, {"direction"}},   {HostPreset::Houdini, false, {}},
-    {HostPreset::Arnold, true, {"direction"}},    {HostPreset::Unreal, true, {"direction", "radiance"}},
+    {HostPreset::Blender, true, {"direction"}},
+    {HostPreset::Houdini, false, {}},
+    {HostPreset::Arnold, true, {"direction"}},
+    {HostPreset::Unreal, true, {"direction", "radiance", "caustic", "direct"}},
     {HostPreset::Renderman, true, {"direction"}},
 };
 

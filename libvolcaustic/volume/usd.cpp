@@ -148,8 +148,7 @@ public:
     }
     if (!any) throw Error(ErrorKind::Input, place + ": holds no grid that OpenUSD knows");
     if (const std::optional<Box> box = boxOf(file)) mExtents[frame.frame] = *box;
-    mFirst = mCount++ == 0 ? frame.frame : std::min(mFirst, frame.frame);
-    mLast = mCount == 1 ? frame.frame : std::max(mLast, frame.frame);
+    mFrames.insert(frame.frame);
   }
 
   [[nodiscard]] std::string text(const UsdWriteOptions& options) const {
@@ -158,9 +157,11 @@ public:
     out.precision(9);
     out << "#usda 1.0\n(\n    defaultPrim = \"volcaustic\"\n    doc = \"written by volcaustic " VOLCAUSTIC_VERSION
            "\"\n";
-    if (mCount > 1) out << "    endTimeCode = " << mLast << "\n    framesPerSecond = " << options.rate << '\n';
+    if (mFrames.size() > 1)
+      out << "    endTimeCode = " << *mFrames.rbegin() << "\n    framesPerSecond = " << options.rate << '\n';
     out << "    metersPerUnit = " << options.metersPerUnit << '\n';
-    if (mCount > 1) out << "    startTimeCode = " << mFirst << "\n    timeCodesPerSecond = " << options.rate << '\n';
+    if (mFrames.size() > 1)
+      out << "    startTimeCode = " << *mFrames.begin() << "\n    timeCodesPerSecond = " << options.rate << '\n';
     out << "    upAxis = \"" << (options.upAxis == UpAxis::Y ? 'Y' : 'Z') << "\"\n)\n\n"
         << "def Xform \"volcaustic\" (\n    kind = \"component\"\n)\n{\n    def Volume \"volume\"\n    {\n";
     writeExtent(out);
@@ -205,17 +206,21 @@ private:
     out << '\n';
   }
 
-  /// One file is a value; of several each is a sample, so that a reader never holds the first in the place of others.
+  /// One file is a value; of several each is a sample, and none where a frame has no such grid, so that a reader never
+  /// holds one in the place of others.
   void writeField(std::ostream& out, const Field& field) const {
     out << "\n        def OpenVDBAsset \"" << field.prim << "\"\n        {\n            token fieldClass = \""
         << field.gridClass << "\"\n            token fieldDataType = \"" << field.type
         << "\"\n            int fieldIndex = " << field.index
         << "\n            token fieldName = " << quoted(field.name) << "\n            asset filePath";
-    if (mCount == 1) {
+    if (mFrames.size() == 1) {
       out << " = " << field.files.begin()->second << '\n';
     } else {
       out << ".timeSamples = {\n";
-      for (const auto& [frame, file] : field.files) out << "                " << frame << ": " << file << ",\n";
+      for (const int frame : mFrames) {
+        const auto file = field.files.find(frame);
+        out << "                " << frame << ": " << (file == field.files.end() ? "None" : file->second) << ",\n";
+      }
       out << "            }\n";
     }
     out << "            token vectorDataRoleHint = \"" << field.role << "\"\n        }\n";
@@ -225,7 +230,7 @@ private:
   std::vector<Field> mFields;
   std::set<std::string> mPrims;
   std::map<int, Box> mExtents;
-  int mCount = 0, mFirst = 0, mLast = 0;
+  std::set<int> mFrames;
 };
 
 } // namespace

@@ -91,7 +91,7 @@ def bake(span="FRAME"):
 
 
 def exported():
-    path = os.path.join(OUT, "volcaustic_cache", "Scene", "scene.json")
+    path = os.path.join(os.path.dirname(bpy.path.abspath(bpy.context.scene.volcaustic.baked)), "scene.json")
     program("scene", "check", path)
     with open(path, encoding="utf-8") as file:
         return path, json.load(file)
@@ -109,7 +109,10 @@ def test_a_frame():
     assert volume.data.render.clipping == 0 and not volume.data.is_sequence
     assert volume.data.grids.load(), volume.data.grids.error_message
     assert {"emission", "density", "radiance"} <= {grid.name for grid in volume.data.grids}
+    assert volume.data.filepath.startswith("//"), "the folder can be moved"
+    first = volume.data.filepath
     again = bake()
+    assert volume.data.filepath != first, "Blender would show what it has in memory"
     assert again == volume and len([o for o in bpy.context.scene.objects if o.type == "VOLUME"]) == 1
 
 
@@ -257,11 +260,16 @@ def test_lights_are_as_bright_as_in_cycles():
         bpy.data.objects.remove(obj)
 
 
-def exported_scene():
+def exported_scene(frames=(1,)):
     """What the add-on would bake, without the bake."""
     from volcaustic_blender import export
     folder = os.path.join(OUT, "exported")
-    path, warnings = export.export(bpy.context, folder, [1])
+    steps = export.export(bpy.context, folder, frames)
+    try:
+        while True:
+            next(steps)
+    except StopIteration as done:
+        path, warnings = done.value
     program("scene", "check", path)
     with open(path, encoding="utf-8") as file:
         return path, json.load(file), warnings
@@ -352,6 +360,57 @@ def test_what_is_rendered_is_exported():
     assert found["text"][0] > 0, "outwards"
 
 
+def test_what_is_not_taken_is_said():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable(ADDON, default_set=True)
+    scene = bpy.context.scene
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5, segments=8, ring_count=4)
+    ball = bpy.context.object
+    ball.name, ball.modifiers.new("smooth", "SUBSURF").render_levels = "ball", 3
+    clear = glass(1.3)
+    ball.data.materials.append(clear)
+    shader = next(n for n in clear.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfGlass")
+    value = clear.node_tree.nodes.new("ShaderNodeValue")
+    clear.node_tree.links.new(value.outputs[0], shader.inputs["IOR"])
+    for frame, index in ((1, 1.2), (3, 1.6)):
+        value.outputs[0].default_value = index
+        value.outputs[0].keyframe_insert("default_value", frame=frame)
+    lamp = bpy.data.lights.new("lamp", "SPOT")
+    lamp.energy, lamp.spot_blend = 10, 0
+    spot = add(lamp, (0, 0, 3))
+    bpy.ops.mesh.primitive_cube_add(size=3)
+    scene.volcaustic.domain = bpy.context.object
+    bpy.data.objects.remove(bpy.context.object)
+    scene.world = dark_world()
+    scene.volcaustic.fog_scattering = 0
+    path, data, warnings = exported_scene((1, 2, 3))
+    assert len(warnings) == 2 and "modifier smooth" in warnings[1] and "Fog is 0" in warnings[0], warnings
+    assert np.allclose([key[1] for key in data["animation"]["/materials/ball/index"]], [1.2, 1.4, 1.6], atol=1e-6), data["animation"]
+    assert "bounds" not in data["volume"], "a domain that was deleted is none"
+    for degrees in (1, 3, 15, 45, 90, 120, 180):
+        lamp.spot_size = math.radians(degrees)
+        light = exported_scene()[1]["lights"][0]
+        assert light["innerAngle"] <= light["outerAngle"] <= 90 and abs(light["outerAngle"] - degrees / 2) < 1e-4
+    scene.volcaustic.fog_scattering, ball.modifiers["smooth"].render_levels = 0.1, 1
+    spot.hide_viewport = True
+    assert "lamp: is hidden in the viewport" in exported_scene()[2][0]
+    spot.hide_viewport = False
+    world = scene.world = bpy.data.worlds.new("sky")
+    world.use_nodes = True
+    sky = world.node_tree.nodes.new("ShaderNodeTexSky")
+    world.node_tree.links.new(sky.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
+    assert "neither one color nor a map" in exported_scene()[2][0]
+    for owner, name, value, words in ((scene.volcaustic, "world_light", True, "World Light"), (lamp, "energy", -1, "negative")):
+        before = getattr(owner, name)
+        setattr(owner, name, value)
+        try:
+            exported_scene()
+            raise AssertionError(words)
+        except Exception as refused:
+            assert words in str(refused), refused
+        setattr(owner, name, before)
+
+
 def test_the_world_is_where_cycles_has_it():
     """A map with one bright spot, turned by a Mapping node: volcaustic's background and Cycles' show it at the same place."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -427,14 +486,14 @@ def test_faults_are_sentences(ball, sun):
     ball.volcaustic.own_index, ball.volcaustic.index = True, 0.1
     ball.volcaustic.absorption = (1e6, 1e6, 1e6)
     said = refusal(resolution=4096)  # more memory than there is
-    assert len(said.strip().splitlines()) == 1 and "Traceback" not in said, said
+    assert "lower the resolution" in said and len(said.strip().splitlines()) == 1 and "Traceback" not in said, said
     ball.volcaustic.own_index = False
     ball.volcaustic.absorption = (0, 0, 0)
 
 
 def test_a_bake_can_be_cancelled():
     from volcaustic_blender import job
-    scene_file, _ = exported()
+    scene_file, _, _ = exported_scene()
     target = os.path.join(OUT, "cancelled.vdb")
     running = job.Bake([PROGRAM, "trace", scene_file, "-o", target, "--progress", "--set", "photons.grid=[8192,8192]",
                         "--set", "volume.resolution=256"])
@@ -461,6 +520,7 @@ test_an_animation(SUN)
 test_faults_are_sentences(BALL, SUN)
 test_lights_are_as_bright_as_in_cycles()
 test_what_is_rendered_is_exported()
+test_what_is_not_taken_is_said()
 test_the_world_is_where_cycles_has_it()
 test_a_bake_can_be_cancelled()
 print("the add-on bakes in Blender", bpy.app.version_string)

@@ -43,7 +43,7 @@ def steps():
     assert any("of 8" in text for text in told), told
     settings = bpy.context.scene.volcaustic
     assert settings.result.type == "VOLUME" and settings.result.data.is_sequence
-    folder = os.path.dirname(settings.baked)
+    folder = os.path.dirname(bpy.path.abspath(settings.baked))
     assert len([f for f in os.listdir(folder) if f.endswith(".vdb")]) == 8
 
     settings.photons = 8192
@@ -54,6 +54,17 @@ def steps():
     while operators.current:
         yield
     assert not job.RUNNING and not bpy.ops.volcaustic.cancel.poll()
+    assert settings.result.data.is_sequence and os.path.isdir(folder), "what was baked before stays"
+    assert not os.path.exists(os.path.join(os.path.dirname(folder), "frame_1")), "what was cancelled goes"
+
+    press(bpy.ops.volcaustic.bake, span="FRAME")
+    while operators.current.stage != "photons":
+        yield
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    addon_utils.enable("volcaustic_blender", default_set=True)
+    yield
+    assert not operators.current and not job.RUNNING, "another file ends it"
+    assert bpy.ops.volcaustic.bake.poll()
     print("the window bakes, tells and cancels")
 
 

@@ -172,6 +172,19 @@ class Interface(unittest.TestCase):
         self.assertEqual(lib.volcaustic_frames(session, c.byref(first), c.byref(last), c.byref(rate)), OK)
         self.assertEqual((first.value, last.value, rate.value), (1, 3, 25))
 
+    def test_a_session_is_for_one_call_at_a_time(self):
+        statuses, sessions = [], []
+
+        def again(user, stage, fraction):
+            statuses.append(lib.volcaustic_run(sessions[0], MEDIUM))
+            return 1 if fraction == 1 and stage == b"view" else 0
+
+        callback = PROGRESS(again)
+        sessions.append(self.open(options_struct(progress=callback)))
+        self.assertEqual(lib.volcaustic_run(sessions[0], VIEW), CANCELLED, "at its last report, too")
+        self.assertEqual(set(statuses), {USAGE})
+        self.assertGreater(lib.volcaustic_grid_count(sessions[0], MEDIUM), 0, "the next call is another")
+
     def test_cancelled_by_callback_and_from_another_thread(self):
         keep = PROGRESS(lambda user, stage, fraction: int(stage == b"photons"))
         session = self.open(options_struct(progress=keep))
@@ -192,6 +205,12 @@ class Interface(unittest.TestCase):
         self.assertIn("absent.json", message())
         self.open(scene=None, status=USAGE)
         self.open(sets=["photons.gird=[3,3]"], status=USAGE)
+        for threads in (-1, 1000000):
+            self.open(options_struct(threads=threads), status=USAGE)
+            self.assertIn("threads", message())
+        for frame in (float("nan"), float("inf"), 1e300):
+            self.open(frame=frame, status=USAGE)
+            self.assertIn("frame", message())
         toaster = self.open(options_struct(device=b"toaster"))
         self.assertEqual(lib.volcaustic_run(toaster, PHOTONS), USAGE)
         self.assertIn("toaster", message())

@@ -96,7 +96,7 @@ def test_faults_are_one_sentence():
     with open(os.path.join(OUT, "broken.volcaustic"), "w", encoding="utf-8") as file:
         file.write('{"volcaustic": 1, "lights": [{"irradianc": [1,1,1]}]}')
     for name, words in ((SCENE + "?grid=radianse", "no such grid"), (SCENE + "?gird=x", "gird"),
-                        (SCENE + "?frame=x", "no number"), (SCENE + "?photons.gird=[8,8]", "photons.gird"),
+                        (SCENE + "?frame=x", "no number"), (SCENE + "?frame=3x", "no number"), (SCENE + "?frame=99999999999", "no number"), (SCENE + "?photons.gird=[8,8]", "photons.gird"),
                         (os.path.join(OUT, "broken.volcaustic"), "/lights/0/irradianc")):
         assert not oiio.ImageInput.open(name)
         error = oiio.geterror()

@@ -86,14 +86,18 @@ FileKind fileKind(const std::string& path) {
               path + ": is not a mesh, an image, a volume or a scene; check the file and its extension");
 }
 
-void checkOutput(const std::string& path, FileKind kind) {
-  if (path == "-" && kind == FileKind::Volume) return;
-  if (byExtension(path) != kind)
-    throw Error(ErrorKind::Usage, path + ": is not the name of " + describe(kind) + "; give it such an extension");
+void checkFolderOf(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;
   if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
     throw Error(ErrorKind::File, path + ": there is no folder " + folder.string() + "; make it first");
+}
+
+void checkOutput(const std::string& path, FileKind kind) {
+  if (path == "-" && kind == FileKind::Volume) return;
+  if (byExtension(path) != kind)
+    throw Error(ErrorKind::Usage, path + ": is not the name of " + describe(kind) + "; give it such an extension");
+  checkFolderOf(path);
 }
 
 } // namespace volcaustic::cli

@@ -12,6 +12,8 @@ enum class FileKind {
   Scene ///< or a shape: .json too
 };
 
+/// \throws Error(File) when the folder that a file is to be written to does not exist.
+void checkFolderOf(const std::string& path);
 /// \throws Error(File) when it cannot be read, Error(Input) when it is none of them.
 FileKind fileKind(const std::string& path);
 /// Before the work that makes it: whether a file of this kind can be written under this name. "-", standard output, is

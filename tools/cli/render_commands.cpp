@@ -232,6 +232,7 @@ void checkStage(const Trace& o) {
     throw Error(ErrorKind::Usage, "--usd " + o.usd + ": is a stage in text; name it by .usda");
   if (std::filesystem::path(o.run.outputs.front()).extension() != ".vdb")
     throw Error(ErrorKind::Usage, "--usd: OpenUSD reads volumes from .vdb files; write -o NAME.vdb");
+  checkFolderOf(o.usd);
 }
 
 void writeStage(Job& job, const Trace& o, const Scene& scene) {

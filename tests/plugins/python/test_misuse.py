@@ -2,6 +2,8 @@
 
 import copy
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -131,3 +133,23 @@ def test_shapes_of_many_nodes():
     crowd = volcaustic.Shape.sphere(1).array(10**6, volcaustic.Placement(translate=(1, 0, 0))).array(10**6, volcaustic.Placement())
     with pytest.raises(volcaustic.InputError, match="more than a million"):
         crowd.bounds
+
+
+@pytest.mark.parametrize("work", ["volcaustic.Session(scene, progress=lambda *_: None).view()",
+                                  "medium.index()",
+                                  "volcaustic.check_mesh(volcaustic.Shape.sphere(1).triangulate())"])
+def test_a_thread_that_works_while_the_interpreter_ends(work):
+    """A daemon thread that was in C++ then must not come back for a lock that is no more."""
+    program = f"""
+import threading, time
+import volcaustic
+scene = volcaustic.Scene.parse('{{"volcaustic": 1, "objects": [{{"shape": {{"type": "sphere", "radius": 1}}}}], "lights": [{{}}]}}')
+medium = volcaustic.Session(scene).medium()
+def forever():
+    while True:
+        {work}
+threading.Thread(target=forever, daemon=True).start()
+time.sleep(0.5)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and "terminate" not in done.stderr and "FATAL" not in done.stderr, done

@@ -1,5 +1,6 @@
 """Sessions: what runs again, callbacks, threads, Ctrl-C."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import textwrap
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -284,3 +286,19 @@ def test_devices():
     for device in unusable:
         with pytest.raises(volcaustic.DeviceError):
             volcaustic.Session(ball_scene(), device=device.id).photons()
+
+
+def test_a_session_whose_callback_is_a_method_of_its_owner_goes_with_it():
+    class Application:
+        def __init__(self):
+            self.session = volcaustic.Session(ball_scene(), progress=self.show)
+
+        def show(self, stage, fraction):
+            pass
+
+    application = Application()
+    application.session.medium()
+    gone = weakref.ref(application)
+    del application
+    gc.collect()
+    assert gone() is None

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -79,6 +80,13 @@ Struct whole(const Struct* given, const char* name) {
   return result;
 }
 
+volcaustic_options checked(const volcaustic_options* given) {
+  const volcaustic_options options = whole(given, "volcaustic_options");
+  if (options.threads < 0 || options.threads > 4096)
+    refuse("volcaustic_options.threads: is " + std::to_string(options.threads) + "; give 0 to 4096");
+  return options;
+}
+
 std::string textOf(const char* text) { return text ? text : ""; }
 
 Scene sceneAt(const volcaustic_scene& scene, double frame, const RunContext& ctx) {
@@ -96,6 +104,7 @@ Scene sceneAt(const volcaustic_scene& scene, double frame, const RunContext& ctx
 Scene sceneOf(const volcaustic_scene* given, const RunContext& ctx) {
   const volcaustic_scene scene = whole(given, "volcaustic_scene");
   if (!scene.json && !scene.path) refuse("volcaustic_scene: has neither json nor path; give one");
+  if (!(std::abs(scene.frame) <= 1e9)) refuse("volcaustic_scene.frame: is no frame; give a number up to 1e9");
   Scene at = sceneAt(scene, scene.frame, ctx);
   if (!scene.box_of_all || !at.volume.automatic || !at.volume.file.empty()) return at;
   Session session(at, ctx);
@@ -122,7 +131,7 @@ struct volcaustic_session {
     ctx.cancel = &cancel;
     if (host.progress)
       ctx.onProgress = [this](std::string_view stage, double fraction) {
-        if (host.progress(host.user, std::string(stage).c_str(), fraction) != 0) cancel = true;
+        if (host.progress(host.user, std::string(stage).c_str(), fraction) != 0) cancel = stoppedByCall = true;
       };
     if (host.log)
       ctx.onLog = [this](LogLevel level, std::string_view line) {
@@ -142,6 +151,8 @@ struct volcaustic_session {
 
   volcaustic_options host;
   std::atomic<bool> cancel{false};
+  std::atomic<bool> stoppedByCall{false}; ///< by the progress of the call that runs: not meant for the next
+  std::atomic<bool> busy{false};
   std::set<std::string> names;
   Session session;
 };
@@ -151,11 +162,15 @@ namespace {
 template <class Body>
 volcaustic_status call(volcaustic_session* session, Body&& body) {
   if (!session) return fail(VOLCAUSTIC_WRONG_USAGE, "session: is null; volcaustic_open() gives one");
+  if (session->busy.exchange(true))
+    return fail(VOLCAUSTIC_WRONG_USAGE, "session: is in a call; wait for its end, in callbacks too");
   const volcaustic_status status = guarded([&] {
     session->session.context().throwIfCancelled();
     body(session->session);
+    if (session->stoppedByCall) session->session.context().throwIfCancelled();
   });
-  if (status == VOLCAUSTIC_CANCELLED) session->cancel = false;
+  if (status == VOLCAUSTIC_CANCELLED) session->cancel = session->stoppedByCall = false;
+  session->busy = false;
   return status;
 }
 
@@ -178,8 +193,7 @@ const char* volcaustic_message() { return gMessage.c_str(); }
 volcaustic_session* volcaustic_open(const volcaustic_scene* scene, const volcaustic_options* options,
                                     volcaustic_status* status) {
   volcaustic_session* session = nullptr;
-  const volcaustic_status result =
-      guarded([&] { session = new volcaustic_session(scene, whole(options, "volcaustic_options")); });
+  const volcaustic_status result = guarded([&] { session = new volcaustic_session(scene, checked(options)); });
   if (status) *status = result;
   return session;
 }

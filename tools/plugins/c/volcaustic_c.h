@@ -50,16 +50,16 @@ typedef enum volcaustic_log_level {
   VOLCAUSTIC_LOG_WARNING = 2
 } volcaustic_log_level;
 
-/** How to run. Begin with all bytes 0 and set `size`. Callbacks come from any thread, one at a time, and must not call
- *  the session but for volcaustic_cancel(). */
+/** How to run. Begin with all bytes 0 and set `size`. Callbacks come from any thread, one at a time; of the session
+ *  they may call volcaustic_cancel() alone, all else is refused. */
 typedef struct volcaustic_options {
   size_t size;           /**< sizeof(volcaustic_options) */
-  int32_t threads;       /**< 0: all */
+  int32_t threads;       /**< to 4096; 0: all */
   uint64_t seed;         /**< selects the jitter */
   uint64_t memory_limit; /**< bytes; 0: three quarters of the machine's */
   const char* device;    /**< "auto" (null), "cpu", "cuda", ... as the program's --device */
   const char* cache;     /**< folder for light and pictures that outlive the session; null: none */
-  /** `fraction` of `stage` is done, 0 to 1; other than 0 cancels the call. */
+  /** `fraction` of `stage` is done, 0 to 1; other than 0 cancels the call that it is in. */
   int32_t (*progress)(void* user, const char* stage, double fraction);
   void (*log)(void* user, int32_t level, const char* line);
   void* user; /**< for the callbacks */

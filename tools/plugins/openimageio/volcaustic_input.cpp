@@ -4,7 +4,7 @@
 // medium that says how large a grid is.
 #include "host.h"
 
-#include <cstdio>
+#include <charconv>
 #include <map>
 #include <memory>
 #include <OpenImageIO/filesystem.h>
@@ -37,8 +37,10 @@ bool parse(const std::string& name, Request& request, std::string& error) {
       request.grid = value;
     } else if (key == "frame") {
       request.oneFrame = true;
-      if (std::sscanf(value.c_str(), "%d", &request.frame) != 1) {
-        error = name + ": frame=" + value + ": is no number";
+      const char* end = value.data() + value.size();
+      if (const auto read = std::from_chars(value.data(), end, request.frame);
+          read.ec != std::errc() || read.ptr != end) {
+        error = name + ": frame=" + value + ": is no number of a frame";
         return false;
       }
     } else if (key.find('.') != std::string::npos) {

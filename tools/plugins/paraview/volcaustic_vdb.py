@@ -47,9 +47,12 @@ def lattice(grid):
     return (origin, size) if np.all(size > 0) and np.allclose(edges, np.diag(size)) else None
 
 
-def frame_of(file, index):
-    number = re.search(r"(\d+)\.vdb$", os.path.basename(file))
-    return float(number.group(1)) if number else float(index)
+def times_of(files):
+    """The numbers of a series; where files have none, or the same, their places in the list."""
+    numbers = [re.search(r"(\d+)\.vdb$", os.path.basename(file)) for file in files]
+    if not all(numbers) or len({int(number.group(1)) for number in numbers}) < len(files):
+        return [float(i) for i in range(len(files))]
+    return [float(number.group(1)) for number in numbers]
 
 
 class Volume:
@@ -127,7 +130,7 @@ class OpenVDBVolumes(VTKPythonAlgorithmBase):
         return self._times() if len(self._files) > 1 else None
 
     def _times(self):
-        return [frame_of(file, i) for i, file in enumerate(self._files)]
+        return times_of(self._files)
 
     def _guarded(self, body):
         """A sentence and an empty image where it cannot be: a status of failure would add pages of the pipeline's own."""

@@ -3,7 +3,9 @@
 #include "keywords.h"
 
 #include <limits>
+#include <set>
 #include <unistd.h>
+#include <volcaustic/error.h>
 
 namespace volcaustic::python {
 
@@ -19,6 +21,19 @@ bool onMainThread() {
   return here.equal(py::object(threading.attr("main_thread")().attr("ident")));
 }
 
+/// The calls that run, null for those that cannot be stopped. When the interpreter ends none may: a thread that comes
+/// back for its lock then is killed inside C++, which ends the process.
+struct Running {
+  std::mutex mutex;
+  std::condition_variable none;
+  std::multiset<Call*> calls;
+  bool closing = false;
+};
+Running& running() {
+  static auto* const calls = new Running; // threads may outlive static objects
+  return *calls;
+}
+
 py::object callableOr(py::object given, const char* name) {
   if (!given || given.is_none()) return py::none();
   if (!PyCallable_Check(given.ptr()))
@@ -28,6 +43,18 @@ py::object callableOr(py::object given, const char* name) {
 }
 
 } // namespace
+
+WithoutLock::Entry::Entry(Call* call) : mCall(call) {
+  const std::lock_guard lock(running().mutex);
+  if (running().closing) throw Error(ErrorKind::Cancelled, "the interpreter is ending");
+  running().calls.insert(mCall);
+}
+
+WithoutLock::Entry::~Entry() {
+  const std::lock_guard lock(running().mutex);
+  running().calls.erase(running().calls.find(mCall));
+  running().none.notify_all();
+}
 
 Call::Call(Keywords& keywords) {
   ContextFields fields{mContext};
@@ -111,7 +138,7 @@ void Call::execute(const std::function<void()>& work) {
   };
   const bool polling = onMainThread();
   {
-    const py::gil_scoped_release release;
+    const WithoutLock release(this);
     if (polling)
       runPolling(guarded);
     else
@@ -119,6 +146,15 @@ void Call::execute(const std::function<void()>& work) {
   }
   if (mRaised) std::rethrow_exception(std::exchange(mRaised, nullptr));
   if (failure) std::rethrow_exception(failure);
+}
+
+void endCalls() {
+  const py::gil_scoped_release release;
+  std::unique_lock lock(running().mutex);
+  running().closing = true;
+  for (Call* call : running().calls)
+    if (call) call->stop();
+  running().none.wait_for(lock, std::chrono::seconds(10), [] { return running().calls.empty(); });
 }
 
 } // namespace volcaustic::python

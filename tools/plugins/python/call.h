@@ -71,4 +71,28 @@ private:
   std::chrono::steady_clock::time_point mLastReport{};
 };
 
+/// The interpreter's lock given up for as long as this lives, on behalf of a call that can be stopped, or of none. The
+/// interpreter does not end before the lock is taken back. \throws Error(Cancelled) when it is ending.
+class WithoutLock {
+public:
+  explicit WithoutLock(Call* call = nullptr) : mEntry(call) {}
+
+private:
+  class Entry {
+  public:
+    explicit Entry(Call* call);
+    ~Entry();
+    Entry(const Entry&) = delete;
+    Entry& operator=(const Entry&) = delete;
+
+  private:
+    Call* mCall;
+  };
+  Entry mEntry;
+  py::gil_scoped_release mRelease; ///< ends before the entry
+};
+
+/// Stops every call that runs and waits for them; calls that come later are refused. For the interpreter's end.
+void endCalls();
+
 } // namespace volcaustic::python

@@ -110,7 +110,7 @@ ObjectHandle objectHandle(const SceneObject& object) {
 }
 
 void setField(bool& value, py::handle given, const Slot& slot) {
-  const bool numpy = typeOf(given) == "bool_";
+  const bool numpy = py::isinstance(given, py::module_::import("numpy").attr("bool_"));
   if (!PyBool_Check(given.ptr()) && !numpy) wrongType(slot, "True or False", given);
   value = PyObject_IsTrue(given.ptr()) == 1;
 }

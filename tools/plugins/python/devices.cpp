@@ -1,5 +1,5 @@
 // What can run here; names of sequences.
-#include "common.h"
+#include "call.h"
 
 #include <volcaustic/device.h>
 #include <volcaustic/frames.h>
@@ -17,7 +17,7 @@ void addDevices(py::module_& m) {
       .def("__repr__", [](const DeviceInfo& d) {
         return "<volcaustic.DeviceInfo: " + d.id + ", " + (d.usable ? d.name : d.reason) + ">";
       });
-  m.def("list_devices", &listDevices, py::call_guard<py::gil_scoped_release>(),
+  m.def("list_devices", &listDevices, py::call_guard<WithoutLock>(),
         "The CPU, then every CUDA device, or one unusable entry that says why there is none.");
   m.def(
       "selected_device",
@@ -26,7 +26,7 @@ void addDevices(py::module_& m) {
         context.device = std::move(device);
         return selectedDevice(context);
       },
-      py::arg("device") = "auto", py::call_guard<py::gil_scoped_release>(),
+      py::arg("device") = "auto", py::call_guard<WithoutLock>(),
       "What a word selects on this machine. Raises UsageError for no device, DeviceError for one that cannot be used.");
   m.def("has_frame_place", &hasFramePlace, py::arg("path"), "Whether a name has a place for a frame: #### or %04d.");
   m.def("with_frame", &withFrame, py::arg("path"), py::arg("frame"), "\"a.####.vdb\", 12 -> \"a.0012.vdb\".");

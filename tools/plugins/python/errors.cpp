@@ -2,6 +2,7 @@
 #include "common.h"
 
 #include <array>
+#include <cstring>
 #include <volcaustic/error.h>
 
 namespace volcaustic::python {
@@ -27,7 +28,10 @@ void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Error& error) {
-    PyErr_SetString(gTypes[static_cast<std::size_t>(error.kind())], error.what());
+    // Names of files are bytes, and may be no UTF-8.
+    const auto message = py::reinterpret_steal<py::object>(
+        PyUnicode_DecodeUTF8(error.what(), static_cast<py::ssize_t>(std::strlen(error.what())), "replace"));
+    PyErr_SetObject(gTypes[static_cast<std::size_t>(error.kind())], message.ptr());
   }
 }
 

@@ -176,7 +176,7 @@ void addImages(py::module_& m) {
         "half, compression, tiles, exposure, tone, bits, alpha, and those of every long call.");
   m.def(
       "compare_images", [](const ImageHandle& a, const ImageHandle& b) { return compareImages(*a.image, *b.image); },
-      py::arg("a"), py::arg("b"), py::call_guard<py::gil_scoped_release>(),
+      py::arg("a"), py::arg("b"), py::call_guard<WithoutLock>(),
       "A Difference for each channel. Raises InputError when sizes or channels differ.");
   m.def("flip_difference", &flip, py::arg("reference"), py::arg("test"),
         "FLIP (Andersson et al. 2020, 2021). Keywords: pixels_per_degree, high_dynamic_range, and those of every long "

@@ -27,7 +27,7 @@ void addDomain(py::module_& m) {
   const auto centers = [](const Domain& d) {
     py::tuple axes(3);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      py::array_t<double> centres(d.dims[axis]);
+      py::array_t<double> centres({static_cast<py::ssize_t>(d.dims[axis])});
       for (int i = 0; i < d.dims[axis]; ++i) centres.mutable_at(i) = d.minCorner[axis] + (i + .5) * d.voxelSize;
       axes[axis] = centres;
     }
@@ -190,7 +190,7 @@ void addMedium(py::module_& m) {
           auto numbers = resultArray<float>(out, range.shape(channelsOf(field)));
           float* into = numbers.mutable_data();
           {
-            const py::gil_scoped_release release;
+            const WithoutLock release;
             readField(medium, field, range, into);
           }
           return numbers;

@@ -192,7 +192,7 @@ std::shared_ptr<PhotonResult> trace(const Medium& medium, py::handle lights, con
 template <class Get>
 py::array columnOf(const std::vector<TracedRay>& rays, Get get) {
   using T = std::decay_t<decltype(get(rays.front()))>;
-  py::array_t<T> column(static_cast<py::ssize_t>(rays.size()));
+  py::array_t<T> column({static_cast<py::ssize_t>(rays.size())});
   for (std::size_t i = 0; i < rays.size(); ++i) column.mutable_at(static_cast<py::ssize_t>(i)) = get(rays[i]);
   return column;
 }

@@ -80,7 +80,7 @@ private:
 
   private:
     bool waitShortly() {
-      const py::gil_scoped_release release;
+      const WithoutLock release;
       return mOwner.mBusy.try_lock_for(std::chrono::milliseconds(20));
     }
     SessionHandle& mOwner;
@@ -149,6 +149,30 @@ void addRuns(py::module_& m) {
           "World: top left, top right, bottom right, bottom left.");
 }
 
+/// Lets the collector see the callbacks, which may be methods of what owns the session.
+void collectCallbacks(PyHeapTypeObject* heap) {
+  static constexpr auto callOf = [](PyObject* self) -> Call* {
+    auto place = reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder();
+    return place.holder_constructed() ? &static_cast<SessionHandle*>(place.value_ptr())->call() : nullptr;
+  };
+  PyTypeObject& type = heap->ht_type;
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (Call* call = callOf(self)) {
+      Py_VISIT(call->progress.ptr());
+      Py_VISIT(call->log.ptr());
+    }
+    return 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    if (Call* call = callOf(self)) {
+      const py::object progress = std::exchange(call->progress, py::none()), log = std::exchange(call->log, py::none());
+    }
+    return 0;
+  };
+}
+
 void addResults(py::class_<SessionHandle>& type) {
   type.def(
           "medium", [](SessionHandle& s) { return s.run([](Session& session) { return Medium(session.medium()); }); },
@@ -196,7 +220,7 @@ void addResults(py::class_<SessionHandle>& type) {
 void addSessions(py::module_& m) {
   addRuns(m);
   py::class_<SessionHandle> type(
-      m, "Session",
+      m, "Session", py::custom_type_setup(&collectCallbacks),
       "A scene and the latest results of each stage; only stages that a change touches run again. Change the scene in "
       "place, or assign another. Calls from several threads take turns; results outlive the session.");
   type.def(py::init([](std::shared_ptr<SceneHandle> scene, const py::kwargs& given) {

@@ -91,7 +91,7 @@ py::array_t<double> evaluated(const Shape& shape, py::handle points, const py::o
   const std::span<Result> into{reinterpret_cast<Result*>(results.mutable_data()),
                                static_cast<std::size_t>(pWorld.shape(0))};
   const std::span<const Vec3d> from = pointsOf(pWorld);
-  const py::gil_scoped_release release;
+  const WithoutLock release;
   evaluate(ShapeField(shape), from, into);
   return results;
 }

@@ -17,12 +17,13 @@ RUNNING = set()
 
 def find_program(preferred):
     """The program's path. \\throws Refused."""
-    wanted = preferred or os.environ.get("VOLCAUSTIC") or "volcaustic"
+    wanted = os.path.expanduser(preferred) or os.environ.get("VOLCAUSTIC") or "volcaustic"
     program = shutil.which(wanted)
     if not program:
         raise Refused(f"{wanted}: there is no such program; install volcaustic, or name it in the add-on's preferences")
     try:
-        said = subprocess.run([program, "--version"], capture_output=True, text=True, timeout=60, check=False).stdout
+        said = subprocess.run([program, "--version"], capture_output=True, text=True, errors="replace", timeout=60,
+                              check=False).stdout
     except (OSError, subprocess.TimeoutExpired) as error:
         raise Refused(f"{program}: does not start: {error}; name another in the add-on's preferences") from None
     version = re.search(r"(\d+)\.(\d+)\.(\d+)", said)
@@ -38,6 +39,7 @@ class Bake:
 
     def __init__(self, command):
         self.stage, self.index, self.count, self.fraction = "", 0, 1, 0.0
+        self.warnings = []
         self._error = ""
         self._cancelled = False
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -52,6 +54,9 @@ class Bake:
             if match:
                 self.index, self.count = int(match.group(1)), int(match.group(2))
                 self.stage, self.fraction = match.group(3), float(match.group(4))
+            elif line.startswith("warning: "):
+                if line[9:].strip() not in self.warnings:
+                    self.warnings.append(line[9:].strip())
             elif line.strip():
                 self._error = line.strip()
 
@@ -74,7 +79,7 @@ class Bake:
         """The program ends soon, and leaves whole files or none."""
         self._cancelled = True
         if self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
+            self._process.send_signal(signal.SIGINT if os.name == "posix" else signal.SIGTERM)
 
     @property
     def cancelled(self):
@@ -86,6 +91,8 @@ class Bake:
         status = self._process.returncode
         if status == 0 or self._cancelled:
             return ""
+        if status < 0:
+            return f"volcaustic was ended by signal {-status}; please report it"
         return self._error or f"volcaustic ended with status {status}"
 
     def stop(self):

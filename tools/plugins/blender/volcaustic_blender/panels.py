@@ -25,7 +25,9 @@ class VOLCAUSTIC_PT_world(bpy.types.Panel):
         row.operator("volcaustic.bake", text="Bake Frame").span = "FRAME"
         row.operator("volcaustic.bake", text="Bake Animation").span = "ANIMATION"
         if not bpy.data.is_saved:
-            layout.label(text="Save the file to keep what is baked", icon="INFO")
+            layout.label(text="Save the file first to keep what is baked", icon="INFO")
+        elif settings.baked and not settings.baked.startswith("//"):
+            layout.label(text="Bake again to keep it: it is in a temporary folder", icon="INFO")
         rendered = export.rendered_objects(context.view_layer)
         bodies = [o.name for o in context.scene.objects
                   if o.name in rendered and o.type in export.MESH_TYPES and materials.role_of(o) == "BODY"]

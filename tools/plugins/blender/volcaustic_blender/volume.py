@@ -38,6 +38,8 @@ def show(scene, pattern, frames):
     data = obj.data
     data.grids.unload()
     data.is_sequence = len(frames) > 1
+    if bpy.data.is_saved:
+        pattern = bpy.path.relpath(pattern)  # so that the folder can be moved
     data.filepath = pattern.replace("####", f"{frames[0]:04d}")
     if data.is_sequence:
         data.frame_start, data.frame_duration = frames[0], len(frames)
