@@ -83,4 +83,4 @@ def tick():
     return None
 
 
-bpy.app.timers.register(tick, first_interval=1)
+bpy.app.timers.register(tick, first_interval=1, persistent=True)  # over the load of another file

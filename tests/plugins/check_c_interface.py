@@ -172,6 +172,21 @@ class Interface(unittest.TestCase):
         self.assertEqual(lib.volcaustic_frames(session, c.byref(first), c.byref(last), c.byref(rate)), OK)
         self.assertEqual((first.value, last.value, rate.value), (1, 3, 25))
 
+    def test_grids_are_known_before_the_photons(self):
+        lights = [{"name": "key"}, {"direction": [1, 0, -1]}]
+        for separate in (False, True):
+            told = []
+            callback = PROGRESS(lambda user, stage, fraction: told.append(stage) or 0)
+            session = self.open(options_struct(progress=callback), scene={**SCENE, "lights": lights},
+                                sets=[f"photons.separate={json.dumps(separate)}"])
+            before = set(self.grids(session, PHOTONS))
+            self.assertNotIn(b"photons", told)
+            path = os.path.join(OUT, "known.vdb")
+            self.assertEqual(lib.volcaustic_write(session, PHOTONS, path.encode(), 2), OK, message())
+            files = subprocess.run([PROGRAM, "info", "--json", path], capture_output=True, text=True, check=True).stdout
+            self.assertEqual(before, {grid["name"] for grid in json.loads(files)["files"][0]["grids"]})
+            self.assertEqual("radiance_key" in before, separate)
+
     def test_a_session_is_for_one_call_at_a_time(self):
         statuses, sessions = [], []
 

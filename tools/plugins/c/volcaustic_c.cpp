@@ -145,8 +145,16 @@ struct volcaustic_session {
 
   std::vector<GridSummary> grids(volcaustic_stage stage) {
     if (stage == VOLCAUSTIC_MEDIUM) return gridsOf(session.medium());
-    if (stage == VOLCAUSTIC_PHOTONS) return gridsOf(session.photons());
+    if (stage == VOLCAUSTIC_PHOTONS) return gridsOf(lightsToCome());
     refuse("volcaustic_stage: has no grids; give VOLCAUSTIC_MEDIUM or VOLCAUSTIC_PHOTONS");
+  }
+
+  /// What the photons' result will say of its lights, before they are sent.
+  PhotonResult lightsToCome() {
+    PhotonResult result;
+    if (session.scene().photons.separate)
+      for (const std::string& name : lightLayers(session.scene().lights)) result.lights.emplace_back().light = name;
+    return result;
   }
 
   volcaustic_options host;

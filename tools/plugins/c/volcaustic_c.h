@@ -110,7 +110,8 @@ typedef struct volcaustic_grid {
   double min_corner[3]; /**< world; of voxel (0, 0, 0), whose centre is half a voxel further */
   double voxel_size;    /**< world */
 } volcaustic_grid;
-/** How many grids a stage makes, VOLCAUSTIC_MEDIUM or VOLCAUSTIC_PHOTONS; 0 where it fails. */
+/** How many grids a stage makes, VOLCAUSTIC_MEDIUM or VOLCAUSTIC_PHOTONS; 0 where it fails. To say what they are takes
+ *  the medium, and no photons. */
 VOLCAUSTIC_C_API size_t volcaustic_grid_count(volcaustic_session* session, volcaustic_stage stage);
 VOLCAUSTIC_C_API volcaustic_status volcaustic_grid_at(volcaustic_session* session, volcaustic_stage stage, size_t index,
                                                       volcaustic_grid* grid);
