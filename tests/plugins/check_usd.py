@@ -93,6 +93,10 @@ def test_volumes_of_others():
     volume = UsdVol.Volume(stage.GetDefaultPrim().GetChild("volume"))
     assert volume.GetExtentAttr().Get(1) != volume.GetExtentAttr().Get(2)
     assert stage.GetTimeCodesPerSecond() == 25
+    for field, frames in (("index", {1}), ("emission", {2})):  # only the frames that have such a grid
+        asset = UsdVol.OpenVDBAsset(stage.GetPrimAtPath(volume.GetFieldPath(field)))
+        for frame in (1, 2):
+            assert bool(asset.GetFilePathAttr().Get(frame)) == (frame in frames), (field, frame)
     single = os.path.join(OUT, "single.usda")
     run("convert", os.path.join(FILES, "half.vdb"), single)
     stage, volume = check(single, {1: os.path.join(FILES, "half.vdb")})
