@@ -170,6 +170,27 @@ def test_cycles_shows_what_volcaustic_sees(ball):
     assert a.max() > 4 * np.median(a)
 
 
+def test_a_new_bake_is_seen(sun):
+    """Blender keeps volumes in memory by the names of their files."""
+    scene = bpy.context.scene
+    path = os.path.join(OUT, "again.exr")
+    sun.hide_render = True  # in the picture, not in the bakes
+
+    def brightness():
+        scene.volcaustic.resolution, sun.hide_render = 32, False
+        bake()
+        scene.volcaustic.resolution, sun.hide_render = 96, True
+        render_with_cycles(path, samples=4)
+        return luminance(picture(path)).sum()
+
+    before = brightness()
+    sun.data.energy *= 10
+    ratio = brightness() / before
+    sun.data.energy /= 10
+    sun.hide_render = False
+    assert abs(ratio - 10) < 0.1, ratio
+
+
 def box(values):
     """3 x 3 means, so that a single noisy pixel is no peak."""
     padded = np.pad(values, 1, mode="edge")
@@ -516,6 +537,7 @@ test_settings_live_in_the_file()
 BALL, SUN = (bpy.context.scene.objects[name] for name in ("Ball / größte", "sun"))
 test_a_frame()
 test_cycles_shows_what_volcaustic_sees(BALL)
+test_a_new_bake_is_seen(SUN)
 test_an_animation(SUN)
 test_faults_are_sentences(BALL, SUN)
 test_lights_are_as_bright_as_in_cycles()
