@@ -114,3 +114,16 @@ def test_meshes_in_memory(mesh):
     fixed = session.medium().coverage().sum() * session.medium().domain.voxel_size**3
     assert first > 0 and fixed == pytest.approx(4 / 3 * 0.25**3, rel=0.02), "what was written to the array was seen"
     assert np.array_equal(session.surface(0).triangles, octahedron()[1])
+
+
+def test_objects_with_meshes_and_images_are_equal_by_value(mesh):
+    ball = volcaustic.SceneObject(mesh=mesh)
+    assert ball == ball and ball == volcaustic.SceneObject(mesh=volcaustic.Mesh(mesh.positions, mesh.triangles))
+    assert ball != volcaustic.SceneObject(mesh=volcaustic.Mesh(2 * mesh.positions, mesh.triangles))
+    assert mesh != None and mesh != 3  # noqa: E711
+    image = volcaustic.Image(2, 2, {channel: np.ones((2, 2)) for channel in "RGB"})
+    sky = volcaustic.Background(image=image)
+    assert sky == sky and sky == volcaustic.Background(image=image.copy())
+    other = image.copy()
+    other["G"][0, 1] = 2
+    assert sky != volcaustic.Background(image=other)

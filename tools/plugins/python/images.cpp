@@ -141,6 +141,14 @@ void addImage(py::module_& m) {
            py::arg("out") = py::none(), "(height, width, channels) float32: one copy, into `out` where it is given.")
       .def(
           "copy", [](const ImageHandle& h) { return ImageHandle::own(Image(*h.image)); }, "A copy that can be written.")
+      .def(
+          "__eq__",
+          [](const ImageHandle& a, const ImageHandle& b) {
+            const Image &i = *a.image, &j = *b.image;
+            return &i == &j || (i.width == j.width && i.height == j.height && i.channels == j.channels &&
+                                i.planes == j.planes && i.metadata == j.metadata);
+          },
+          py::is_operator())
       .def("__copy__", [](const ImageHandle& h) { return ImageHandle::own(Image(*h.image)); })
       .def("__deepcopy__", [](const ImageHandle& h, const py::dict&) { return ImageHandle::own(Image(*h.image)); })
       .def("__repr__", &imageRepr);

@@ -181,6 +181,14 @@ void addMembers(py::class_<MeshHandle>& type) {
              return "<volcaustic.Mesh: " + std::to_string(h.mesh->positions.size()) + " vertices, " +
                     std::to_string(h.mesh->triangles.size()) + " triangles>";
            })
+      .def(
+          "__eq__",
+          [](const MeshHandle& a, const MeshHandle& b) {
+            const Mesh &m = *a.mesh, &n = *b.mesh;
+            return &m == &n || (m.positions == n.positions && m.triangles == n.triangles &&
+                                m.triangleGroup == n.triangleGroup && m.groupNames == n.groupNames);
+          },
+          py::is_operator())
       .def("__copy__", [](const MeshHandle& h) { return MeshHandle::own(Mesh(*h.mesh)); })
       .def("__deepcopy__", [](const MeshHandle& h, const py::dict&) { return MeshHandle::own(Mesh(*h.mesh)); })
       .def(py::pickle(
